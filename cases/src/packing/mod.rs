@@ -1,0 +1,140 @@
+//! Fills a region of the half plane with particles of equal area.
+//!
+//! The outermost layer follows the boundary at half a particle size, without staircase, and the
+//! inside is disordered or locally hexagonal. A pair repulsion levels the density: every particle
+//! moves away from its neighbours by `0.25 D^2 sum V grad W`, with the planar Wendland C2 kernel of
+//! support 2.8 D at first, then less. Beyond the boundary the plane is filled with fixed dust of the
+//! same density, beyond the axis with mirror images, so that nothing pulls a particle to either.
+//! No particle comes closer to the boundary than D/2, and those not much deeper are drawn there.
+//!
+//! The result depends on the region and the options alone, not on the number of threads.
+
+mod cells;
+mod domain;
+mod relax;
+mod start;
+#[cfg(test)]
+mod tests;
+
+use crate::region::Region;
+use domain::Domain;
+use std::f64::consts::TAU;
+
+/// Particles that fill a region: positions in metres and areas in square metres.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Packing {
+    /// Distance from the origin radius in metres.
+    pub r: Vec<f64>,
+    /// Position along the axis in metres.
+    pub z: Vec<f64>,
+    /// Area in the half plane in square metres, the same for every particle and such that
+    /// `sum 2 pi (origin + r) area` is the volume.
+    pub area: Vec<f64>,
+}
+
+/// How to fill a region.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PackingOptions {
+    /// Particle size D in metres; a particle's area is about D^2.
+    pub particle_size: f64,
+    /// Number of relaxation steps; 600 settle a packing.
+    pub iterations: usize,
+    /// Selects one of many equally good packings.
+    pub seed: u64,
+    /// Period in z in metres: the region spans a whole period and has no surface at its z ends.
+    pub period: Option<f64>,
+    /// Radius of r = 0 in metres; where it is positive there is no axis and nothing is mirrored.
+    pub origin: f64,
+    /// Volume of the revolved region in cubic metres that the particles share; without it, the
+    /// region's own volume, which is about the axis r = 0.
+    pub volume: Option<f64>,
+}
+
+impl PackingOptions {
+    /// The defaults for particles of size `particle_size` (metres): 600 steps, an axis at r = 0.
+    pub fn new(particle_size: f64) -> Self {
+        Self {
+            particle_size,
+            iterations: 600,
+            seed: 1,
+            period: None,
+            origin: 0.0,
+            volume: None,
+        }
+    }
+}
+
+/// Why a region could not be filled.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum PackingError {
+    /// A length or volume among the options is not finite or has the wrong sign.
+    #[error("{name} must be {expected}, but is {value}")]
+    Option {
+        /// What the option is called.
+        name: &'static str,
+        /// What it has to be.
+        expected: &'static str,
+        /// What it is, in SI units.
+        value: f64,
+    },
+    /// The region's bounds or distances are not finite, or its bounds are reversed.
+    #[error("the region has no finite bounds and distances")]
+    Region,
+    /// The region's cross-section is less than half a particle.
+    #[error("the region's cross-section holds less than one particle of size {particle_size} m")]
+    Empty {
+        /// Particle size in metres.
+        particle_size: f64,
+    },
+    /// Away from the axis the region's own volume does not count.
+    #[error("with an origin radius of {origin} m the volume must be given")]
+    NoVolume {
+        /// Radius of r = 0 in metres.
+        origin: f64,
+    },
+    /// More particles than the limit.
+    #[error("the region takes {count:.3e} particles of this size, more than {limit:.0e}")]
+    TooMany {
+        /// Number of particles the region takes.
+        count: f64,
+        /// The largest number allowed.
+        limit: f64,
+    },
+    /// The particles' volume is not that of the region: the packing is bad, or the volume is wrong.
+    #[error("the packing's volume is {found:e} m^3 where the region's is {expected:e} m^3")]
+    Volume {
+        /// Volume of the particles at area D^2, in cubic metres.
+        found: f64,
+        /// Volume they should share, in cubic metres.
+        expected: f64,
+    },
+}
+
+/// Fills `region` with particles of equal area.
+///
+/// # Errors
+/// Options or a region that make no sense, no or too many particles, or particles at area D^2 whose
+/// volume is more than 2 % (and the rounding to whole particles) off the region's.
+pub fn pack(region: &dyn Region, options: &PackingOptions) -> Result<Packing, PackingError> {
+    let domain = Domain::new(region, options)?;
+    let mut points = start::points(&domain, options.seed);
+    relax::relax(&domain, &mut points, options.iterations);
+
+    let size = options.particle_size;
+    let r: Vec<f64> = points.iter().map(|point| point[0] * size).collect();
+    let z: Vec<f64> = points
+        .iter()
+        .map(|point| domain.metres_z(point[1]))
+        .collect();
+    let ring: f64 = r.iter().map(|r| TAU * (options.origin + r)).sum();
+    let found = ring * size * size;
+    let expected = options.volume.unwrap_or_else(|| region.volume());
+    let deviation = (expected / found - 1.0).abs();
+    // A whole number of particles can be half a particle off; twice that is still no bad packing.
+    let allowed = 0.02 + 1.0 / points.len() as f64;
+    if deviation.is_nan() || deviation > allowed {
+        return Err(PackingError::Volume { found, expected });
+    }
+    let area = vec![expected / ring; r.len()];
+    Ok(Packing { r, z, area })
+}

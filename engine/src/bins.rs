@@ -1,0 +1,131 @@
+//! A uniform grid of cells over points of the plane; the points of neighbouring cells in one row of
+//! the grid lie next to each other.
+
+use std::ops::Range;
+
+/// Points sorted into the cells of a uniform grid.
+#[derive(Clone, Debug, Default)]
+pub struct Bins {
+    r_least: f64,
+    z_least: f64,
+    inverse_cell: f64,
+    rows: usize,
+    columns: usize,
+    start: Vec<u32>,
+    members: Vec<u32>,
+    cell_of: Vec<u32>,
+}
+
+impl Bins {
+    /// Sorts points into cells of at least the given size in metres. Cells grow where the points lie
+    /// so far apart that an ordinary grid would have many more cells than points.
+    pub fn build(&mut self, r: &[f64], z: &[f64], cell: f64) {
+        let extent = |values: &[f64]| {
+            let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+            let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            if values.is_empty() {
+                (0.0, 0.0)
+            } else {
+                (least, most - least)
+            }
+        };
+        let (r_least, height) = extent(r);
+        let (z_least, width) = extent(z);
+        let mut cell = cell;
+        let most_cells = 16.0 * r.len() as f64 + 1024.0;
+        while (height / cell + 1.0) * (width / cell + 1.0) > most_cells {
+            cell *= 1.5;
+        }
+        (self.r_least, self.z_least, self.inverse_cell) = (r_least, z_least, 1.0 / cell);
+        self.rows = (height / cell) as usize + 1;
+        self.columns = (width / cell) as usize + 1;
+        self.sort(r, z);
+    }
+
+    fn sort(&mut self, r: &[f64], z: &[f64]) {
+        let (rows, columns) = (self.rows, self.columns);
+        self.start.clear();
+        self.start.resize(rows * columns + 1, 0);
+        self.cell_of.clear();
+        for (&r, &z) in r.iter().zip(z) {
+            let row = ((r - self.r_least) * self.inverse_cell) as usize;
+            let column = ((z - self.z_least) * self.inverse_cell) as usize;
+            let cell = row.min(rows - 1) * columns + column.min(columns - 1);
+            self.cell_of.push(cell as u32);
+            self.start[cell + 1] += 1;
+        }
+        for cell in 0..rows * columns {
+            self.start[cell + 1] += self.start[cell];
+        }
+        self.members.clear();
+        self.members.resize(r.len(), 0);
+        // Filling from the back with the ends of the cells leaves `start` as the starts.
+        for point in (0..r.len()).rev() {
+            let slot = &mut self.start[self.cell_of[point] as usize + 1];
+            *slot -= 1;
+            self.members[*slot as usize] = point as u32;
+        }
+        // `start[c + 1]` now holds the start of cell c: move it down by one.
+        self.start.rotate_left(1);
+        self.start[rows * columns] = r.len() as u32;
+    }
+
+    /// The points in the order of the cells.
+    pub fn members(&self) -> &[u32] {
+        &self.members
+    }
+
+    /// Calls `visit` with ranges of [`Bins::members`] that together hold every point within `reach`
+    /// metres of (r, z), and some more.
+    #[inline]
+    pub fn near(&self, r: f64, z: f64, reach: f64, mut visit: impl FnMut(Range<usize>)) {
+        let cell = |value: f64, least: f64, most: usize| {
+            (((value - least) * self.inverse_cell).max(0.0) as usize).min(most - 1)
+        };
+        let first_row = cell(r - reach, self.r_least, self.rows);
+        let last_row = cell(r + reach, self.r_least, self.rows);
+        let first = cell(z - reach, self.z_least, self.columns);
+        let last = cell(z + reach, self.z_least, self.columns);
+        for row in first_row..=last_row {
+            let base = row * self.columns;
+            let range = self.start[base + first] as usize..self.start[base + last + 1] as usize;
+            if !range.is_empty() {
+                visit(range);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_point_within_reach_is_visited_once() {
+        let points: Vec<(f64, f64)> = (0..500)
+            .map(|i| {
+                (
+                    (i as f64 * 0.618).fract() * 3.0,
+                    (i as f64 * 0.414).fract() * 5.0,
+                )
+            })
+            .collect();
+        let (r, z): (Vec<f64>, Vec<f64>) = points.iter().copied().unzip();
+        let mut bins = Bins::default();
+        bins.build(&r, &z, 0.3);
+        for &(pr, pz) in &points {
+            let mut found = Vec::new();
+            bins.near(pr, pz, 0.7, |range| {
+                found.extend_from_slice(&bins.members()[range])
+            });
+            let mut unique = found.clone();
+            unique.sort_unstable();
+            unique.dedup();
+            assert_eq!(unique.len(), found.len());
+            for (k, &(qr, qz)) in points.iter().enumerate() {
+                let near = (qr - pr).hypot(qz - pz) <= 0.7;
+                assert!(!near || unique.binary_search(&(k as u32)).is_ok());
+            }
+        }
+    }
+}

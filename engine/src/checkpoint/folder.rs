@@ -1,0 +1,91 @@
+//! The checkpoints of one run: their names, the newest, and the removal of old ones.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::error::{CheckpointError, Skipped};
+use super::read::read;
+use super::types::Checkpoint;
+use super::write::UNFINISHED;
+
+const PREFIX: &str = "step-";
+const SUFFIX: &str = ".meniscus";
+
+/// Name of the checkpoint after a number of steps: `step-000001234.meniscus`.
+pub fn file_name(step: u64) -> String {
+    format!("{PREFIX}{step:09}{SUFFIX}")
+}
+
+/// The checkpoints of a folder by name, with their steps, oldest first; none is opened.
+///
+/// # Errors
+/// A folder that cannot be read.
+pub fn list(folder: &Path) -> Result<Vec<(u64, PathBuf)>, CheckpointError> {
+    let read_error = || CheckpointError::io(folder, "read the folder");
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).map_err(read_error())? {
+        let entry = entry.map_err(read_error())?;
+        if let Some(step) = entry.file_name().to_str().and_then(step_of) {
+            found.push((step, entry.path()));
+        }
+    }
+    found.sort();
+    Ok(found)
+}
+
+/// Reads the newest checkpoint of a folder that is whole. Also returns the newer ones that had to
+/// be passed over, each with the reason.
+///
+/// # Errors
+/// A folder that cannot be read or holds no valid checkpoint.
+pub fn newest_valid(folder: &Path) -> Result<(PathBuf, Checkpoint, Vec<Skipped>), CheckpointError> {
+    let mut skipped = Vec::new();
+    for (_, path) in list(folder)?.into_iter().rev() {
+        match read(&path) {
+            Ok(checkpoint) => return Ok((path, checkpoint, skipped)),
+            Err(error) => skipped.push((path, error)),
+        }
+    }
+    Err(CheckpointError::NoneValid {
+        folder: folder.to_path_buf(),
+        skipped,
+    })
+}
+
+/// Removes all but the newest `count` checkpoints of a folder (one stays in any case), and what
+/// interrupted writes have left. Only the run that writes into the folder may call this, after a
+/// write of its own.
+///
+/// # Errors
+/// A folder that cannot be read, a file that cannot be removed.
+pub fn keep_last(folder: &Path, count: usize) -> Result<(), CheckpointError> {
+    let found = list(folder)?;
+    let surplus = found.len().saturating_sub(count.max(1));
+    let old = found.into_iter().take(surplus).map(|(_, path)| path);
+    for path in old.chain(unfinished(folder)?) {
+        fs::remove_file(&path).map_err(CheckpointError::io(&path, "remove the file"))?;
+    }
+    Ok(())
+}
+
+fn unfinished(folder: &Path) -> Result<Vec<PathBuf>, CheckpointError> {
+    let read_error = || CheckpointError::io(folder, "read the folder");
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).map_err(read_error())? {
+        let entry = entry.map_err(read_error())?;
+        let name = entry.file_name();
+        if name
+            .to_str()
+            .is_some_and(|name| name.starts_with('.') && name.ends_with(UNFINISHED))
+        {
+            found.push(entry.path());
+        }
+    }
+    Ok(found)
+}
+
+fn step_of(name: &str) -> Option<u64> {
+    let digits = name.strip_prefix(PREFIX)?.strip_suffix(SUFFIX)?;
+    let plain = digits.bytes().all(|byte| byte.is_ascii_digit());
+    plain.then(|| digits.parse().ok()).flatten()
+}

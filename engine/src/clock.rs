@@ -1,0 +1,113 @@
+//! Simulated time and the choice of the time step.
+
+/// An upper bound on the time step and who stated it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bound {
+    /// Why the step may not be longer, for example "acoustic".
+    pub reason: &'static str,
+    /// Longest stable step in seconds.
+    pub step_size: f64,
+}
+
+/// Simulated time. Stages state their bounds during a step; the smallest one is taken.
+#[derive(Clone, Debug)]
+pub struct Clock {
+    /// Steps taken.
+    pub step: u64,
+    /// Time at the start of the present step, in seconds.
+    pub time: f64,
+    /// The last step taken, in seconds; zero before the first.
+    pub previous_step_size: f64,
+    bound: Option<Bound>,
+    counts: Vec<(&'static str, u64)>,
+    marks: Vec<(&'static str, f64)>,
+}
+
+impl Default for Clock {
+    fn default() -> Self {
+        Clock::at(0, 0.0, 0.0)
+    }
+}
+
+impl Clock {
+    /// A clock that continues from a checkpoint.
+    pub fn at(step: u64, time: f64, previous_step_size: f64) -> Self {
+        Clock {
+            step,
+            time,
+            previous_step_size,
+            bound: None,
+            counts: Vec::with_capacity(8),
+            marks: Vec::with_capacity(8),
+        }
+    }
+
+    /// States that the present step may not be longer than `step_size` seconds.
+    pub fn limit(&mut self, reason: &'static str, step_size: f64) {
+        let smaller = self
+            .bound
+            .is_none_or(|b| step_size < b.step_size || step_size.is_nan());
+        if smaller {
+            self.bound = Some(Bound { reason, step_size });
+        }
+    }
+
+    /// The tightest bound stated in this step so far.
+    pub fn bound(&self) -> Option<Bound> {
+        self.bound
+    }
+
+    /// Ends the step: time moves on by the tightest bound.
+    ///
+    /// # Panics
+    /// If no stage of the pipeline stated a bound, which is a mistake in the pipeline.
+    pub fn advance(&mut self) {
+        let bound = self
+            .bound
+            .take()
+            .expect("a stage of the pipeline bounds the time step");
+        match self
+            .counts
+            .iter_mut()
+            .find(|(reason, _)| *reason == bound.reason)
+        {
+            Some((_, count)) => *count += 1,
+            None => self.counts.push((bound.reason, 1)),
+        }
+        self.time += bound.step_size;
+        self.previous_step_size = bound.step_size;
+        self.step += 1;
+    }
+
+    /// Notes the present time under a name, for example when something was last computed. Marks are
+    /// part of the state: a checkpoint carries them.
+    pub fn set_mark(&mut self, name: &'static str) {
+        self.restore_mark(name, self.time);
+    }
+
+    /// Sets a mark to a time in seconds, from a checkpoint.
+    pub fn restore_mark(&mut self, name: &'static str, time: f64) {
+        match self.marks.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, mark)) => *mark = time,
+            None => self.marks.push((name, time)),
+        }
+    }
+
+    /// The time in seconds that was noted under a name; the present time if none was.
+    pub fn mark(&self, name: &str) -> f64 {
+        self.marks
+            .iter()
+            .find(|(known, _)| *known == name)
+            .map_or(self.time, |(_, mark)| *mark)
+    }
+
+    /// All marks.
+    pub fn marks(&self) -> &[(&'static str, f64)] {
+        &self.marks
+    }
+
+    /// How many steps each bound has set.
+    pub fn bounds_met(&self) -> &[(&'static str, u64)] {
+        &self.counts
+    }
+}

@@ -1,0 +1,146 @@
+//! The declaration of a field: the one place from which storage, sorting, checkpoints and export follow.
+
+use std::fmt;
+
+/// Whether a field is part of the state or computed anew in every step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// Kept from step to step, moved by sorting, written to checkpoints.
+    State,
+    /// Recomputed in every step before it is read.
+    Derived,
+}
+
+/// A type that a column can hold.
+pub trait Element: Copy + Default + Send + Sync + fmt::Debug + 'static {
+    /// Wraps an empty-typed vector as column storage.
+    fn into_values(values: Vec<Self>) -> Values
+    where
+        Self: Sized;
+    /// The vector inside, if the column holds this type.
+    fn of(values: &Values) -> Option<&Vec<Self>>
+    where
+        Self: Sized;
+    /// The vector inside, if the column holds this type.
+    fn of_mut(values: &mut Values) -> Option<&mut Vec<Self>>
+    where
+        Self: Sized;
+    /// What an unwritten Derived value is set to, so that reading it shows.
+    fn poison() -> Self;
+}
+
+/// The values of one column.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Values {
+    /// Real numbers in SI units.
+    F64(Vec<f64>),
+    /// Indices, flags and identities.
+    U32(Vec<u32>),
+}
+
+impl Values {
+    /// Number of particles.
+    pub fn len(&self) -> usize {
+        match self {
+            Values::F64(values) => values.len(),
+            Values::U32(values) => values.len(),
+        }
+    }
+
+    /// Whether there are no particles.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+macro_rules! element {
+    ($type:ty, $variant:ident, $poison:expr) => {
+        impl Element for $type {
+            fn into_values(values: Vec<Self>) -> Values {
+                Values::$variant(values)
+            }
+            fn of(values: &Values) -> Option<&Vec<Self>> {
+                match values {
+                    Values::$variant(values) => Some(values),
+                    _ => None,
+                }
+            }
+            fn of_mut(values: &mut Values) -> Option<&mut Vec<Self>> {
+                match values {
+                    Values::$variant(values) => Some(values),
+                    _ => None,
+                }
+            }
+            fn poison() -> Self {
+                $poison
+            }
+        }
+    };
+}
+element!(f64, F64, f64::NAN);
+element!(u32, U32, u32::MAX);
+
+/// What is known of a field whatever type it holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Description {
+    /// Unique name, as in checkpoints and scenes.
+    pub name: &'static str,
+    /// Symbol in the formulas.
+    pub symbol: &'static str,
+    /// SI unit, "1" if dimensionless.
+    pub unit: &'static str,
+    /// Kept or recomputed.
+    pub role: Role,
+    /// One sentence.
+    pub about: &'static str,
+}
+
+/// A field of values of type `T`: declared once as a `static`, and nowhere else.
+#[derive(Debug)]
+pub struct Field<T: Element> {
+    /// Name, symbol, unit, role and sentence.
+    pub description: Description,
+    element: std::marker::PhantomData<T>,
+}
+
+impl<T: Element> Field<T> {
+    /// A field that is part of the state.
+    pub const fn state(
+        name: &'static str,
+        symbol: &'static str,
+        unit: &'static str,
+        about: &'static str,
+    ) -> Self {
+        Self::new(name, symbol, unit, Role::State, about)
+    }
+
+    /// A field that every step computes anew.
+    pub const fn derived(
+        name: &'static str,
+        symbol: &'static str,
+        unit: &'static str,
+        about: &'static str,
+    ) -> Self {
+        Self::new(name, symbol, unit, Role::Derived, about)
+    }
+
+    const fn new(
+        name: &'static str,
+        symbol: &'static str,
+        unit: &'static str,
+        role: Role,
+        about: &'static str,
+    ) -> Self {
+        let description = Description {
+            name,
+            symbol,
+            unit,
+            role,
+            about,
+        };
+        Field {
+            description,
+            element: std::marker::PhantomData,
+        }
+    }
+}

@@ -1,0 +1,15 @@
+//! The engine of Meniscus: particles as columns, Morton order, neighbour lists, pair passes, the
+//! pipeline with its clock, and checkpoints. It names no physics; the stages bring that.
+
+pub mod bins;
+pub mod checkpoint;
+pub mod clock;
+pub mod field;
+pub mod lanes;
+pub mod morton;
+pub mod neighbours;
+pub mod pairs;
+pub mod parallel;
+pub mod pipeline;
+pub mod store;
+pub mod wiring;

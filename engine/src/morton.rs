@@ -1,0 +1,57 @@
+//! Morton order: particles that are close in the plane lie close in memory.
+
+use crate::parallel;
+
+/// Spreads the lower 32 bits of a number over the even bits.
+fn spread(value: u64) -> u64 {
+    let mut v = value & 0xffff_ffff;
+    v = (v | (v << 16)) & 0x0000_ffff_0000_ffff;
+    v = (v | (v << 8)) & 0x00ff_00ff_00ff_00ff;
+    v = (v | (v << 4)) & 0x0f0f_0f0f_0f0f_0f0f;
+    v = (v | (v << 2)) & 0x3333_3333_3333_3333;
+    (v | (v << 1)) & 0x5555_5555_5555_5555
+}
+
+/// Morton key of a point: its cell's column and row, bit by bit in turn.
+pub fn key(column: u32, row: u32) -> u64 {
+    spread(u64::from(column)) | (spread(u64::from(row)) << 1)
+}
+
+/// The order of particles along the Morton curve over cells of the given size (metres); particles of
+/// one cell keep their order. `order` and `keys` are overwritten and reuse their memory.
+pub fn order(r: &[f64], z: &[f64], cell: f64, keys: &mut Vec<(u64, u32)>, order: &mut Vec<u32>) {
+    let least = |values: &[f64]| -parallel::maximum(values.len(), |i| -values[i]);
+    let (r_least, z_least) = (least(r), least(z));
+    let index = |value: f64, least: f64| ((value - least) / cell) as u32;
+    keys.resize(r.len(), (0, 0));
+    parallel::for_chunks(r.len(), (&mut keys[..], r, z), |start, (keys, r, z)| {
+        for (k, entry) in keys.iter_mut().enumerate() {
+            let particle = (start + k) as u32;
+            *entry = (key(index(r[k], r_least), index(z[k], z_least)), particle);
+        }
+    });
+    keys.sort_unstable();
+    order.clear();
+    order.extend(keys.iter().map(|&(_, particle)| particle));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_interleave_bits() {
+        assert_eq!(key(0b11, 0b00), 0b0101);
+        assert_eq!(key(0b00, 0b11), 0b1010);
+        assert_eq!(key(u32::MAX, u32::MAX), u64::MAX);
+    }
+
+    #[test]
+    fn order_is_a_permutation_that_follows_the_curve() {
+        let r = [1.5, 0.5, 0.5, 1.5];
+        let z = [1.5, 1.5, 0.5, 0.5];
+        let (mut keys, mut sequence) = (Vec::new(), Vec::new());
+        order(&r, &z, 1.0, &mut keys, &mut sequence);
+        assert_eq!(sequence, [2, 3, 1, 0]);
+    }
+}

@@ -1,0 +1,321 @@
+//! Neighbour lists that are valid for many steps: every pair within the sum of two particles' reaches
+//! plus a skin, in blocks of eight particles whose entries are interleaved (sliced ELL).
+//!
+//! ```text
+//! for each block of 8 particles: for each entry k: [neighbour k of particle 0, ..., of particle 7]
+//! ```
+//! A short list is filled up with the particle itself, which at distance zero contributes nothing.
+//! Images (mirrored at the axis, shifted by the period) are numbered after the particles.
+
+use crate::bins::Bins;
+use crate::lanes::WIDTH;
+use crate::parallel;
+
+/// Where the half plane ends or repeats.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Domain {
+    /// Distance in metres of the coordinates' origin from the axis of symmetry.
+    pub origin: f64,
+    /// Lower end and length in metres of a period in z.
+    pub period: Option<(f64, f64)>,
+}
+
+/// A copy of a particle across the axis or a period.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Image {
+    /// The particle that it copies.
+    pub source: u32,
+    /// Mirrored at the axis: the radius and the radial velocity change their sign.
+    pub mirrored: bool,
+    /// Added to z, in metres.
+    pub shift: f64,
+}
+
+impl Domain {
+    /// Lists the images of all particles that can lie within `reach` metres of a particle.
+    pub fn images(&self, r: &[f64], z: &[f64], reach: f64, images: &mut Vec<Image>) {
+        images.clear();
+        for (source, (&r, &z)) in r.iter().zip(z).enumerate() {
+            let source = source as u32;
+            let near_axis = r + self.origin < reach;
+            if near_axis {
+                images.push(Image {
+                    source,
+                    mirrored: true,
+                    shift: 0.0,
+                });
+            }
+            let Some((bottom, length)) = self.period else {
+                continue;
+            };
+            for (near, shift) in [
+                (z - bottom < reach, length),
+                (bottom + length - z < reach, -length),
+            ] {
+                if near {
+                    images.push(Image {
+                        source,
+                        mirrored: false,
+                        shift,
+                    });
+                    if near_axis {
+                        images.push(Image {
+                            source,
+                            mirrored: true,
+                            shift,
+                        });
+                    }
+                }
+            }
+        }
+    }
+
+    /// Radial coordinate of a particle's mirror image.
+    #[inline]
+    pub fn mirror(&self, r: f64) -> f64 {
+        -r - 2.0 * self.origin
+    }
+
+    /// Position of an image from that of its particle.
+    #[inline]
+    pub fn place(&self, image: &Image, r: f64, z: f64) -> (f64, f64) {
+        (
+            if image.mirrored { self.mirror(r) } else { r },
+            z + image.shift,
+        )
+    }
+}
+
+/// The neighbours of every particle.
+#[derive(Clone, Debug, Default)]
+pub struct NeighbourList {
+    images: Vec<Image>,
+    counts: Vec<u32>,
+    block_start: Vec<u32>,
+    entries: Vec<[u32; WIDTH]>,
+    bins: Bins,
+    points: [Vec<f64>; 3],
+    builds: u64,
+}
+
+impl NeighbourList {
+    /// Builds the list for particles at (r, z) (metres): a pair is listed if its distance is below
+    /// reach_a + reach_b + skin (metres).
+    pub fn build(&mut self, r: &[f64], z: &[f64], reach: &[f64], skin: f64, domain: &Domain) {
+        let largest = 2.0 * parallel::maximum(reach.len(), |i| reach[i]) + skin;
+        domain.images(r, z, largest, &mut self.images);
+        for (points, values) in self.points.iter_mut().zip([r, z, reach]) {
+            points.clear();
+            points.extend_from_slice(values);
+        }
+        for image in &self.images {
+            let source = image.source as usize;
+            let (image_r, image_z) = domain.place(image, r[source], z[source]);
+            self.points[0].push(image_r);
+            self.points[1].push(image_z);
+            self.points[2].push(reach[source]);
+        }
+        self.bins.build(&self.points[0], &self.points[1], largest);
+        self.builds += 1;
+        self.fill(r.len(), largest, skin);
+    }
+
+    fn fill(&mut self, len: usize, largest: f64, skin: f64) {
+        let search = Search {
+            bins: &self.bins,
+            points: &self.points,
+            largest,
+            skin,
+        };
+        self.counts.resize(len, 0);
+        parallel::for_chunks(len, &mut self.counts[..], |start, counts| {
+            for (k, count) in counts.iter_mut().enumerate() {
+                *count = 0;
+                search.near(start + k, |_| *count += 1);
+            }
+        });
+        self.block_start.clear();
+        self.block_start.push(0);
+        let mut total = 0;
+        for block in self.counts.chunks(WIDTH) {
+            total += block.iter().max().copied().unwrap_or(0);
+            self.block_start.push(total);
+        }
+        self.entries.resize(total as usize, [0; WIDTH]);
+        fill_blocks(&search, &self.block_start, 0, len, &mut self.entries);
+    }
+
+    /// Number of particles in the list.
+    pub fn len(&self) -> usize {
+        self.counts.len()
+    }
+
+    /// Whether the list has not been built, or for no particle.
+    pub fn is_empty(&self) -> bool {
+        self.counts.is_empty()
+    }
+
+    /// The images, numbered from [`NeighbourList::len`] on.
+    pub fn images(&self) -> &[Image] {
+        &self.images
+    }
+
+    /// How often the list was built.
+    pub fn builds(&self) -> u64 {
+        self.builds
+    }
+
+    /// Listed pairs, counted from both sides.
+    pub fn pairs(&self) -> u64 {
+        self.counts.iter().map(|&count| u64::from(count)).sum()
+    }
+
+    /// The interleaved entries of the eight particles from `8 * block` on.
+    #[inline]
+    pub fn block(&self, block: usize) -> &[[u32; WIDTH]] {
+        &self.entries[self.block_start[block] as usize..self.block_start[block + 1] as usize]
+    }
+
+    /// The listed neighbours of one particle; numbers from [`NeighbourList::len`] on are images.
+    #[inline]
+    pub fn of(&self, particle: usize) -> impl Iterator<Item = usize> + '_ {
+        let entries = &self.block(particle / WIDTH)[..self.counts[particle] as usize];
+        entries
+            .iter()
+            .map(move |entry| entry[particle % WIDTH] as usize)
+    }
+
+    /// The particle behind a number that may be an image's.
+    #[inline]
+    pub fn source(&self, number: usize) -> usize {
+        match number.checked_sub(self.counts.len()) {
+            Some(image) => self.images[image].source as usize,
+            None => number,
+        }
+    }
+}
+
+struct Search<'a> {
+    bins: &'a Bins,
+    points: &'a [Vec<f64>; 3],
+    largest: f64,
+    skin: f64,
+}
+
+impl Search<'_> {
+    #[inline]
+    fn near(&self, a: usize, mut found: impl FnMut(u32)) {
+        let [r, z, reach] = self.points;
+        let (r_a, z_a, reach_a) = (r[a], z[a], reach[a] + self.skin);
+        self.bins.near(r_a, z_a, self.largest, |range| {
+            for &b in &self.bins.members()[range] {
+                let k = b as usize;
+                let (dr, dz, limit) = (r[k] - r_a, z[k] - z_a, reach_a + reach[k]);
+                if dr * dr + dz * dz < limit * limit && k != a {
+                    found(b);
+                }
+            }
+        });
+    }
+}
+
+/// Fills the entries of particles `first..last`, halving the range for rayon.
+fn fill_blocks(
+    search: &Search,
+    block_start: &[u32],
+    first: usize,
+    last: usize,
+    entries: &mut [[u32; WIDTH]],
+) {
+    let offset = block_start[first / WIDTH] as usize;
+    if last - first > parallel::CHUNK {
+        let middle = first + ((last - first) / 2).next_multiple_of(WIDTH);
+        let (left, right) = entries.split_at_mut(block_start[middle / WIDTH] as usize - offset);
+        rayon::join(
+            || fill_blocks(search, block_start, first, middle, left),
+            || fill_blocks(search, block_start, middle, last, right),
+        );
+        return;
+    }
+    for start in (first..last).step_by(WIDTH) {
+        let block = start / WIDTH;
+        let range = block_start[block] as usize - offset..block_start[block + 1] as usize - offset;
+        let block_entries = &mut entries[range];
+        for lane in 0..WIDTH {
+            let particle = start + lane;
+            let mut count = 0;
+            if particle < last {
+                search.near(particle, |b| {
+                    block_entries[count][lane] = b;
+                    count += 1;
+                });
+            }
+            for entry in &mut block_entries[count..] {
+                entry[lane] = particle.min(last - 1) as u32;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn points(count: usize) -> (Vec<f64>, Vec<f64>) {
+        let r = (0..count)
+            .map(|i| (i as f64 * 0.754_877_666).fract())
+            .collect();
+        let z = (0..count)
+            .map(|i| (i as f64 * 0.569_840_291).fract())
+            .collect();
+        (r, z)
+    }
+
+    #[test]
+    fn the_list_holds_exactly_the_pairs_within_reach() {
+        let (r, z) = points(700);
+        let reach: Vec<f64> = (0..700).map(|i| 0.02 + 0.02 * ((i % 5) as f64)).collect();
+        let domain = Domain {
+            origin: 0.0,
+            period: Some((0.0, 1.0)),
+        };
+        let skin = 0.01;
+        let mut list = NeighbourList::default();
+        list.build(&r, &z, &reach, skin, &domain);
+        for a in 0..700 {
+            let mut listed: Vec<usize> = list.of(a).collect();
+            listed.sort_unstable();
+            let mut expected = Vec::new();
+            for b in 0..700 + list.images().len() {
+                let s = list.source(b);
+                let (br, bz) = if b < 700 {
+                    (r[b], z[b])
+                } else {
+                    domain.place(&list.images()[b - 700], r[s], z[s])
+                };
+                if b != a && (br - r[a]).hypot(bz - z[a]) < reach[a] + reach[s] + skin {
+                    expected.push(b);
+                }
+            }
+            assert_eq!(listed, expected, "particle {a}");
+        }
+    }
+
+    #[test]
+    fn the_list_does_not_depend_on_the_number_of_threads() {
+        let (r, z) = points(5000);
+        let reach = vec![0.015; 5000];
+        let build = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build()
+                .unwrap();
+            pool.install(|| {
+                let mut list = NeighbourList::default();
+                list.build(&r, &z, &reach, 0.003, &Domain::default());
+                list.entries
+            })
+        };
+        assert_eq!(build(1), build(3));
+    }
+}

@@ -1,0 +1,219 @@
+//! The pair pass: one traversal of the neighbour list in which any number of pair terms sum what they
+//! need.
+//!
+//! ```text
+//! for each block of 8 particles a (one per lane):
+//!     load a's rows, set all sums to zero
+//!     for each interleaved entry: load 8 neighbours b, evaluate the pair once,
+//!         let every term add to its sums
+//!     let every term finish; store
+//! ```
+//! The pass owns loop, loads and stores; terms own the physics. Terms are fused at compile time.
+
+use crate::lanes::{Lanes, Row, WIDTH};
+use crate::neighbours::NeighbourList;
+use crate::parallel;
+use crate::pipeline::{Fault, Stage, World};
+use crate::store::Write;
+use arrayvec::ArrayVec;
+use atomic_refcell::AtomicRefMut;
+use std::marker::PhantomData;
+
+/// Most columns that one pass can write.
+pub const MOST_OUTPUTS: usize = 24;
+
+/// The packed rows of all particles, then of their images, then some to fill the last block.
+#[derive(Clone, Debug, Default)]
+pub struct RowTable {
+    rows: Vec<Row>,
+}
+
+impl RowTable {
+    /// Makes room for `particles` and `images` with `rows_each` rows; new rows are zero.
+    pub fn resize(&mut self, particles: usize, images: usize, rows_each: usize) {
+        self.rows
+            .resize((particles + images + WIDTH) * rows_each, Row::default());
+    }
+
+    /// All rows; those of one particle lie next to each other.
+    pub fn rows(&self) -> &[Row] {
+        &self.rows
+    }
+
+    /// All rows, to pack them.
+    pub fn rows_mut(&mut self) -> &mut [Row] {
+        &mut self.rows
+    }
+}
+
+/// What a pass knows of a particle: named values that stand in fixed slots of its rows.
+pub trait Record: Copy {
+    /// Rows per particle, 1 or 2.
+    const ROWS: usize;
+
+    /// Names the slots. `second` is zero where `ROWS` is 1.
+    fn from_slots(first: [Lanes; WIDTH], second: [Lanes; WIDTH]) -> Self;
+}
+
+/// What is evaluated once per pair for all terms: distance, kernel, weight, Riemann state.
+pub trait Interaction<R: Record>: Send + Sync {
+    /// The evaluated pair.
+    type Pair;
+
+    /// Evaluates eight pairs. Must be finite for a particle with itself.
+    fn evaluate(&self, a: &R, b: &R) -> Self::Pair;
+}
+
+/// One sum over the neighbours of a particle.
+pub trait PairTerm<R: Record, P>: Send + Sync {
+    /// The running sums.
+    type Sum;
+
+    /// Number of columns that the term writes.
+    const OUTPUTS: usize;
+
+    /// The sums before the first neighbour.
+    fn zero(&self) -> Self::Sum;
+
+    /// Adds one neighbour per lane. Must add nothing for a particle with itself.
+    fn add(&self, a: &R, b: &R, pair: &P, sum: &mut Self::Sum);
+
+    /// Turns the sums into the `OUTPUTS` results.
+    fn finish(&self, a: &R, sum: Self::Sum, results: &mut [Lanes]);
+
+    /// The columns to which the results go.
+    fn outputs(&self, columns: &mut ArrayVec<Write<f64>, MOST_OUTPUTS>);
+}
+
+macro_rules! fused_terms {
+    ($($term:ident $sum:ident),+) => {
+        #[allow(non_snake_case, unused_assignments)]
+        impl<R: Record, P, $($term: PairTerm<R, P>),+> PairTerm<R, P> for ($($term,)+) {
+            type Sum = ($($term::Sum,)+);
+            const OUTPUTS: usize = 0 $(+ $term::OUTPUTS)+;
+
+            #[inline(always)]
+            fn zero(&self) -> Self::Sum {
+                let ($($term,)+) = self;
+                ($($term.zero(),)+)
+            }
+
+            #[inline(always)]
+            fn add(&self, a: &R, b: &R, pair: &P, sum: &mut Self::Sum) {
+                let ($($term,)+) = self;
+                let ($($sum,)+) = sum;
+                $($term.add(a, b, pair, $sum);)+
+            }
+
+            #[inline(always)]
+            fn finish(&self, a: &R, sum: Self::Sum, mut results: &mut [Lanes]) {
+                let ($($term,)+) = self;
+                let ($($sum,)+) = sum;
+                $(
+                    let (mine, others) = results.split_at_mut($term::OUTPUTS);
+                    $term.finish(a, $sum, mine);
+                    results = others;
+                )+
+            }
+
+            fn outputs(&self, columns: &mut ArrayVec<Write<f64>, MOST_OUTPUTS>) {
+                let ($($term,)+) = self;
+                $($term.outputs(columns);)+
+            }
+        }
+    };
+}
+fused_terms!(A sum_a);
+fused_terms!(A sum_a, B sum_b);
+fused_terms!(A sum_a, B sum_b, C sum_c);
+fused_terms!(A sum_a, B sum_b, C sum_c, D sum_d);
+fused_terms!(A sum_a, B sum_b, C sum_c, D sum_d, E sum_e);
+fused_terms!(A sum_a, B sum_b, C sum_c, D sum_d, E sum_e, F sum_f);
+
+/// A traversal of all pairs with its terms, as a stage of the pipeline.
+pub struct PairPass<R, I, T> {
+    name: &'static str,
+    interaction: I,
+    terms: T,
+    record: PhantomData<fn() -> R>,
+}
+
+impl<R: Record, I: Interaction<R>, T: PairTerm<R, I::Pair>> PairPass<R, I, T> {
+    /// A pass under the given name.
+    pub fn new(name: &'static str, interaction: I, terms: T) -> Self {
+        PairPass {
+            name,
+            interaction,
+            terms,
+            record: PhantomData,
+        }
+    }
+
+    /// Walks all pairs; `outputs` are the columns of the terms in their order.
+    pub fn traverse(
+        &self,
+        list: &NeighbourList,
+        rows: &[Row],
+        outputs: ArrayVec<&mut [f64], MOST_OUTPUTS>,
+    ) {
+        parallel::for_chunks(list.len(), outputs, |start, mut outputs| {
+            let len = outputs.first().map_or(0, |column| column.len());
+            let mut results = [Lanes::ZERO; MOST_OUTPUTS];
+            for offset in (0..len).step_by(WIDTH) {
+                self.block(list, rows, start + offset, &mut results);
+                let filled = WIDTH.min(len - offset);
+                for (column, result) in outputs.iter_mut().zip(&results) {
+                    column[offset..offset + filled].copy_from_slice(&result.to_array()[..filled]);
+                }
+            }
+        });
+    }
+
+    #[inline(always)]
+    fn block(&self, list: &NeighbourList, rows: &[Row], first: usize, results: &mut [Lanes]) {
+        let a = load::<R>(rows, std::array::from_fn(|lane| (first + lane) as u32));
+        let mut sum = self.terms.zero();
+        for entry in list.block(first / WIDTH) {
+            let b = load::<R>(rows, *entry);
+            let pair = self.interaction.evaluate(&a, &b);
+            self.terms.add(&a, &b, &pair, &mut sum);
+        }
+        self.terms.finish(&a, sum, &mut results[..T::OUTPUTS]);
+    }
+}
+
+/// Loads the rows of eight particles.
+#[inline(always)]
+pub fn load<R: Record>(rows: &[Row], particles: [u32; WIDTH]) -> R {
+    let row = |lane: usize, k: usize| &rows[particles[lane] as usize * R::ROWS + k];
+    let first = Lanes::transpose(std::array::from_fn(|lane| row(lane, 0)));
+    let second = if R::ROWS > 1 {
+        Lanes::transpose(std::array::from_fn(|lane| row(lane, 1)))
+    } else {
+        [Lanes::ZERO; WIDTH]
+    };
+    R::from_slots(first, second)
+}
+
+impl<R, I, T> Stage for PairPass<R, I, T>
+where
+    R: Record,
+    I: Interaction<R>,
+    T: PairTerm<R, I::Pair>,
+{
+    fn name(&self) -> &'static str {
+        self.name
+    }
+
+    fn run(&mut self, world: &mut World) -> Result<(), Fault> {
+        let mut handles = ArrayVec::new();
+        self.terms.outputs(&mut handles);
+        let mut columns: ArrayVec<AtomicRefMut<[f64]>, MOST_OUTPUTS> = handles
+            .into_iter()
+            .map(|handle| world.store.write(handle))
+            .collect();
+        let outputs = columns.iter_mut().map(|column| &mut **column).collect();
+        self.traverse(&world.neighbours, world.rows.rows(), outputs);
+        Ok(())
+    }
+}

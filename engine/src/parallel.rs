@@ -1,0 +1,207 @@
+//! Loops over chunks of particles on all cores, with results that don't depend on how many there are.
+//!
+//! A range is halved at fixed places until a chunk holds at most [`CHUNK`] particles, and partial
+//! results are combined along the same tree: the order of every sum is fixed by the number of
+//! particles alone. Nothing is allocated.
+
+use crate::lanes::WIDTH;
+
+/// Largest number of particles in one chunk; a multiple of the SIMD width.
+pub const CHUNK: usize = 64 * WIDTH;
+
+/// Something that can be divided at a particle: a slice, or a tuple of such.
+pub trait Split: Send + Sized {
+    /// The part before particle `at` and the part from it on.
+    fn split(self, at: usize) -> (Self, Self);
+}
+
+impl<T: Sync> Split for &[T] {
+    fn split(self, at: usize) -> (Self, Self) {
+        self.split_at(at)
+    }
+}
+
+impl<T: Send> Split for &mut [T] {
+    fn split(self, at: usize) -> (Self, Self) {
+        self.split_at_mut(at)
+    }
+}
+
+impl Split for () {
+    fn split(self, _: usize) -> (Self, Self) {
+        ((), ())
+    }
+}
+
+impl<S: Split> Split for Option<S> {
+    fn split(self, at: usize) -> (Self, Self) {
+        self.map(|columns| columns.split(at)).unzip()
+    }
+}
+
+impl<S: Split, const N: usize> Split for arrayvec::ArrayVec<S, N> {
+    fn split(self, at: usize) -> (Self, Self) {
+        self.into_iter().map(|part| part.split(at)).unzip_arrays()
+    }
+}
+
+trait UnzipArrays<S, const N: usize> {
+    fn unzip_arrays(self) -> (arrayvec::ArrayVec<S, N>, arrayvec::ArrayVec<S, N>);
+}
+
+impl<S, I: Iterator<Item = (S, S)>, const N: usize> UnzipArrays<S, N> for I {
+    fn unzip_arrays(self) -> (arrayvec::ArrayVec<S, N>, arrayvec::ArrayVec<S, N>) {
+        let mut parts = (arrayvec::ArrayVec::new(), arrayvec::ArrayVec::new());
+        for (left, right) in self {
+            parts.0.push(left);
+            parts.1.push(right);
+        }
+        parts
+    }
+}
+
+macro_rules! split_tuple {
+    ($($name:ident),+) => {
+        impl<$($name: Split),+> Split for ($($name,)+) {
+            #[allow(non_snake_case)]
+            fn split(self, at: usize) -> (Self, Self) {
+                let ($($name,)+) = self;
+                $(let $name = $name.split(at);)+
+                (($($name.0,)+), ($($name.1,)+))
+            }
+        }
+    };
+}
+split_tuple!(A);
+split_tuple!(A, B);
+split_tuple!(A, B, C);
+split_tuple!(A, B, C, D);
+split_tuple!(A, B, C, D, E);
+split_tuple!(A, B, C, D, E, F);
+split_tuple!(A, B, C, D, E, F, G);
+split_tuple!(A, B, C, D, E, F, G, H);
+
+/// Calls `body(start, columns)` for every chunk of `0..len`, `columns` cut to that chunk.
+pub fn for_chunks<S, F>(len: usize, columns: S, body: F)
+where
+    S: Split,
+    F: Fn(usize, S) + Sync,
+{
+    fold_chunks(
+        len,
+        columns,
+        &|start, columns, _| body(start, columns),
+        &|(), ()| (),
+    );
+}
+
+/// Like [`for_chunks`] with chunks of at most `most` entries, for few but expensive entries.
+pub fn for_chunks_of<S, F>(most: usize, len: usize, columns: S, body: F)
+where
+    S: Split,
+    F: Fn(usize, S) + Sync,
+{
+    fold_range(
+        most,
+        0,
+        len,
+        columns,
+        &|start, columns, _| body(start, columns),
+        &|(), ()| (),
+    );
+}
+
+/// Calls `body(start, columns, length)` for every chunk and combines the results in a fixed order.
+pub fn fold_chunks<S, R, F, C>(len: usize, columns: S, body: &F, combine: &C) -> R
+where
+    S: Split,
+    R: Send,
+    F: Fn(usize, S, usize) -> R + Sync,
+    C: Fn(R, R) -> R + Sync,
+{
+    fold_range(CHUNK, 0, len, columns, body, combine)
+}
+
+fn fold_range<S, R, F, C>(
+    most: usize,
+    start: usize,
+    len: usize,
+    columns: S,
+    body: &F,
+    combine: &C,
+) -> R
+where
+    S: Split,
+    R: Send,
+    F: Fn(usize, S, usize) -> R + Sync,
+    C: Fn(R, R) -> R + Sync,
+{
+    if len <= most {
+        return body(start, columns, len);
+    }
+    let middle = (len / 2).next_multiple_of(WIDTH);
+    let (left, right) = columns.split(middle);
+    let (a, b) = rayon::join(
+        || fold_range(most, start, middle, left, body, combine),
+        || fold_range(most, start + middle, len - middle, right, body, combine),
+    );
+    combine(a, b)
+}
+
+/// Sum of `value(particle)` over all particles in a fixed order.
+pub fn sum<F: Fn(usize) -> f64 + Sync>(len: usize, value: F) -> f64 {
+    let body = |start: usize, (), len: usize| (start..start + len).map(&value).sum::<f64>();
+    fold_chunks(len, (), &body, &|a, b| a + b)
+}
+
+/// Largest `value(particle)`, minus infinity without particles; NaN wins over everything.
+pub fn maximum<F: Fn(usize) -> f64 + Sync>(len: usize, value: F) -> f64 {
+    let larger = |a: f64, b: f64| if a > b || a.is_nan() { a } else { b };
+    let body = |start: usize, (), len: usize| {
+        (start..start + len)
+            .map(&value)
+            .fold(f64::NEG_INFINITY, larger)
+    };
+    fold_chunks(len, (), &body, &larger)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sums_have_the_same_bits_for_any_number_of_threads() {
+        let value = |i: usize| ((i * 7919) % 1013) as f64 * 1e-3 + 1.0 / (1.0 + i as f64);
+        let with = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build()
+                .unwrap();
+            pool.install(|| sum(100_003, value)).to_bits()
+        };
+        assert_eq!(with(1), with(2));
+        assert_eq!(with(1), with(8));
+    }
+
+    #[test]
+    fn chunks_cover_every_particle_once() {
+        let mut seen = vec![0u32; 10_007];
+        let index: Vec<usize> = (0..seen.len()).collect();
+        for_chunks(
+            seen.len(),
+            (&mut seen[..], &index[..]),
+            |start, (seen, index)| {
+                for (k, seen) in seen.iter_mut().enumerate() {
+                    assert_eq!(index[k], start + k);
+                    *seen += 1;
+                }
+            },
+        );
+        assert!(seen.iter().all(|&n| n == 1));
+    }
+
+    #[test]
+    fn not_a_number_is_never_hidden_by_a_maximum() {
+        assert!(maximum(5000, |i| if i == 17 { f64::NAN } else { i as f64 }).is_nan());
+    }
+}

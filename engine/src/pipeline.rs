@@ -1,0 +1,142 @@
+//! The pipeline: stages in an explicit order, and the runner that owns spans, costs and checks.
+
+use crate::clock::Clock;
+use crate::neighbours::NeighbourList;
+use crate::pairs::RowTable;
+use crate::store::Store;
+use bumpalo::Bump;
+use std::time::{Duration, Instant};
+
+/// Everything that a step works on.
+#[derive(Debug)]
+pub struct World {
+    /// The particles.
+    pub store: Store,
+    /// Time and step size.
+    pub clock: Clock,
+    /// Who is near whom.
+    pub neighbours: NeighbourList,
+    /// The particles' packed rows for the pair passes.
+    pub rows: RowTable,
+    /// Scratch memory of one step, reused by the next.
+    pub arena: Bump,
+}
+
+impl World {
+    /// A world of the given particles at the given time, without neighbours yet.
+    pub fn new(store: Store, clock: Clock) -> Self {
+        World {
+            store,
+            clock,
+            neighbours: NeighbourList::default(),
+            rows: RowTable::default(),
+            arena: Bump::new(),
+        }
+    }
+}
+
+/// One stage of a step. It states its handles when it is constructed and touches nothing else.
+pub trait Stage: Send {
+    /// The name under which its cost is reported.
+    fn name(&self) -> &'static str;
+
+    /// Does the stage's work.
+    ///
+    /// # Errors
+    /// A [`Fault`] that says which particle and quantity went bad.
+    fn run(&mut self, world: &mut World) -> Result<(), Fault>;
+}
+
+/// A quantity that went bad: the run stops here.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "{quantity} of particle {particle} at (r, z) = ({r:.6e}, {z:.6e}) m became {value:e} in stage `{stage}` at step {step}"
+)]
+pub struct Fault {
+    /// The stage that found it.
+    pub stage: &'static str,
+    /// The particle's identity.
+    pub particle: u32,
+    /// Name of the quantity.
+    pub quantity: &'static str,
+    /// Its value.
+    pub value: f64,
+    /// Radius in metres.
+    pub r: f64,
+    /// Axial position in metres.
+    pub z: f64,
+    /// The step.
+    pub step: u64,
+}
+
+/// What one stage has cost so far.
+#[derive(Clone, Debug)]
+pub struct Cost {
+    /// The stage.
+    pub stage: &'static str,
+    /// How often it ran.
+    pub calls: u64,
+    /// Wall time in it.
+    pub time: Duration,
+}
+
+/// The stages of a step, in their order.
+pub struct Pipeline {
+    start: Vec<Box<dyn Stage>>,
+    stages: Vec<Box<dyn Stage>>,
+    costs: Vec<Cost>,
+}
+
+impl Pipeline {
+    /// A pipeline that runs `start` once before the first step of a new run, then `stages` every step.
+    pub fn new(start: Vec<Box<dyn Stage>>, stages: Vec<Box<dyn Stage>>) -> Self {
+        let cost = |stage: &Box<dyn Stage>| Cost {
+            stage: stage.name(),
+            calls: 0,
+            time: Duration::ZERO,
+        };
+        let costs = stages.iter().map(cost).collect();
+        Pipeline {
+            start,
+            stages,
+            costs,
+        }
+    }
+
+    /// The cost of every stage, in their order.
+    pub fn costs(&self) -> &[Cost] {
+        &self.costs
+    }
+
+    /// Runs the start stages: once for a new run, not when a run is resumed.
+    ///
+    /// # Errors
+    /// The first fault.
+    pub fn begin(&mut self, world: &mut World) -> Result<(), Fault> {
+        for stage in &mut self.start {
+            let _span = tracing::info_span!("start", stage = stage.name()).entered();
+            stage.run(world)?;
+        }
+        Ok(())
+    }
+
+    /// One time step.
+    ///
+    /// # Errors
+    /// The first fault; time doesn't move on.
+    pub fn step(&mut self, world: &mut World) -> Result<(), Fault> {
+        if cfg!(debug_assertions) {
+            world.store.poison_derived();
+        }
+        world.arena.reset();
+        for (stage, cost) in self.stages.iter_mut().zip(&mut self.costs) {
+            let _span = tracing::info_span!("stage", name = stage.name()).entered();
+            let start = Instant::now();
+            stage.run(world)?;
+            cost.time += start.elapsed();
+            cost.calls += 1;
+        }
+        world.clock.advance();
+        Ok(())
+    }
+}

@@ -1,0 +1,222 @@
+//! The colour field c = sum_b V_b W_b and its first and second derivatives anywhere in the plane.
+
+use meniscus_engine::bins::Bins;
+use meniscus_engine::lanes::{Lanes, WIDTH};
+use meniscus_engine::neighbours::{Domain, Image};
+use std::f64::consts::PI;
+
+/// Colour and derivatives at a point, SI units.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Colour {
+    /// c, one inside the liquid and one half at the surface.
+    pub value: f64,
+    /// dc/dr, dc/dz.
+    pub gradient: [f64; 2],
+    /// c_rr, c_rz, c_zz.
+    pub second: [f64; 3],
+}
+
+/// The particles as the colour field sums them: in rows of cells, images at the axis and the period
+/// included. The membership of cells is renewed with the neighbour list, positions every time.
+#[derive(Debug, Default)]
+pub struct ColourField {
+    list_build: u64,
+    images: Vec<Image>,
+    bins: Bins,
+    r: Vec<f64>,
+    z: Vec<f64>,
+    area: Vec<f64>,
+    slack: f64,
+}
+
+impl ColourField {
+    /// Takes up the particles' present positions (m) and areas (m2). `list_build` counts the builds of
+    /// the neighbour list, between which no particle moves farther than `slack`.
+    pub fn refresh(&mut self, source: &Particles, list_build: u64, slack: f64, domain: &Domain) {
+        let Particles {
+            r,
+            z,
+            area,
+            list_r,
+            list_z,
+            support,
+        } = *source;
+        if self.list_build != list_build || self.r.is_empty() {
+            self.list_build = list_build;
+            self.slack = slack;
+            let count = r.len();
+            domain.images(list_r, list_z, support + 2.0 * slack, &mut self.images);
+            let place = |image: &Image| {
+                let source = image.source as usize;
+                domain.place(image, list_r[source], list_z[source])
+            };
+            let (image_r, image_z): (Vec<f64>, Vec<f64>) = self.images.iter().map(place).unzip();
+            let all = |own: &[f64], image: Vec<f64>| [own, &image].concat();
+            self.bins
+                .build(&all(list_r, image_r), &all(list_z, image_z), 0.25 * support);
+            let padded = count + self.images.len() + WIDTH;
+            for column in [&mut self.r, &mut self.z, &mut self.area] {
+                column.clear();
+                column.resize(padded, 0.0);
+            }
+        }
+        for (k, &member) in self.bins.members().iter().enumerate() {
+            let member = member as usize;
+            let (source, place) = match member.checked_sub(r.len()) {
+                None => (member, (r[member], z[member])),
+                Some(image) => {
+                    let image = &self.images[image];
+                    let source = image.source as usize;
+                    (source, domain.place(image, r[source], z[source]))
+                }
+            };
+            (self.r[k], self.z[k]) = place;
+            self.area[k] = area[source];
+        }
+    }
+
+    /// The field at (r, z) with the given support radius, all in metres.
+    ///
+    /// With the Wendland C6 kernel W = 78/(7 pi H^2) (1-q)^8 (32 q^3 + 25 q^2 + 8 q + 1):
+    /// grad W = phi d/H^2 and d_i d_j W = (phi delta_ij + psi d_i d_j/H^2)/H^2, where
+    /// phi = W'/q = -22 (16 q^2 + 7 q + 1)(1-q)^7 and psi = phi'/q = 528 (6 q + 1)(1-q)^6, times the
+    /// kernel's constant (method.md, section 9).
+    pub fn at(&self, r: f64, z: f64, support: f64) -> Colour {
+        let inverse = 1.0 / support;
+        let (lr, lz, linverse) = (Lanes::splat(r), Lanes::splat(z), Lanes::splat(inverse));
+        let mut sums = [Lanes::ZERO; 6];
+        self.bins.near(r, z, support + self.slack, |range| {
+            for start in range.clone().step_by(WIDTH) {
+                let left = range.end - start;
+                let area = Lanes::load(&self.area[start..]);
+                let area = if left < WIDTH {
+                    area.keep_first(left)
+                } else {
+                    area
+                };
+                let x = (lr - Lanes::load(&self.r[start..])) * linverse;
+                let y = (lz - Lanes::load(&self.z[start..])) * linverse;
+                add_kernel(x, y, area, &mut sums);
+            }
+        });
+        let constant = 78.0 / (7.0 * PI) * inverse * inverse;
+        let first = -22.0 * constant * inverse;
+        let second = constant * inverse * inverse;
+        let sum = sums.map(|lanes| lanes.sum());
+        Colour {
+            value: constant * sum[0],
+            gradient: [first * sum[1], first * sum[2]],
+            second: [second * sum[3], second * sum[4], second * sum[5]],
+        }
+    }
+}
+
+/// Columns and lengths from which a colour field is taken up.
+#[derive(Clone, Copy, Debug)]
+pub struct Particles<'a> {
+    /// Present positions, m.
+    pub r: &'a [f64],
+    /// Present positions, m.
+    pub z: &'a [f64],
+    /// Areas, m2.
+    pub area: &'a [f64],
+    /// Positions when the neighbour list was built, m.
+    pub list_r: &'a [f64],
+    /// Positions when the neighbour list was built, m.
+    pub list_z: &'a [f64],
+    /// Largest support radius that will be asked for, m.
+    pub support: f64,
+}
+
+/// Adds eight particles at (x, y) = d/H with their areas.
+#[inline(always)]
+fn add_kernel(x: Lanes, y: Lanes, area: Lanes, sums: &mut [Lanes; 6]) {
+    let number = Lanes::splat;
+    let q = x.mul_add(x, y * y).sqrt();
+    let inside = (Lanes::ONE - q).max(Lanes::ZERO);
+    let square = inside * inside;
+    let sixth = square * square * square * area;
+    let seventh = sixth * inside;
+    let shape = number(32.0)
+        .mul_add(q, number(25.0))
+        .mul_add(q, number(8.0))
+        .mul_add(q, Lanes::ONE);
+    let phi = number(16.0).mul_add(q, number(7.0)).mul_add(q, Lanes::ONE) * seventh;
+    let psi = number(528.0) * number(6.0).mul_add(q, Lanes::ONE) * sixth;
+    let diagonal = number(-22.0) * phi;
+    sums[0] = shape.mul_add(seventh * inside, sums[0]);
+    sums[1] = phi.mul_add(x, sums[1]);
+    sums[2] = phi.mul_add(y, sums[2]);
+    sums[3] += (psi * x).mul_add(x, diagonal);
+    sums[4] = (psi * x).mul_add(y, sums[4]);
+    sums[5] += (psi * y).mul_add(y, diagonal);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lattice() -> ColourField {
+        let (mut r, mut z) = (Vec::new(), Vec::new());
+        for i in 0..40 {
+            for j in 0..40 {
+                r.push(5.0 + 0.1 * f64::from(i));
+                z.push(0.1 * f64::from(j));
+            }
+        }
+        let area = vec![0.01; r.len()];
+        let mut field = ColourField::default();
+        let source = Particles {
+            r: &r,
+            z: &z,
+            area: &area,
+            list_r: &r,
+            list_z: &z,
+            support: 0.8,
+        };
+        field.refresh(
+            &source,
+            1,
+            0.0,
+            &Domain {
+                origin: 0.0,
+                period: None,
+            },
+        );
+        field
+    }
+
+    #[test]
+    fn one_inside_and_one_half_at_a_straight_edge() {
+        let field = lattice();
+        let inside = field.at(7.0, 2.0, 0.8);
+        assert!((inside.value - 1.0).abs() < 1e-4, "{inside:?}");
+        let edge = field.at(4.95, 2.0, 0.8);
+        assert!((edge.value - 0.5).abs() < 1e-4, "{edge:?}");
+        assert!(edge.gradient[0] > 0.0 && edge.gradient[1].abs() < 1e-6 * edge.gradient[0]);
+    }
+
+    #[test]
+    fn derivatives_match_differences() {
+        let field = lattice();
+        let (r, z, step) = (5.05, 0.13, 1e-5);
+        let here = field.at(r, z, 0.8);
+        let (east, west) = (field.at(r + step, z, 0.8), field.at(r - step, z, 0.8));
+        let (north, south) = (field.at(r, z + step, 0.8), field.at(r, z - step, 0.8));
+        let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-7 * (1.0 + a.abs()), "{a} {b}");
+        close(here.gradient[0], (east.value - west.value) / (2.0 * step));
+        close(here.gradient[1], (north.value - south.value) / (2.0 * step));
+        close(
+            here.second[0],
+            (east.gradient[0] - west.gradient[0]) / (2.0 * step),
+        );
+        close(
+            here.second[1],
+            (north.gradient[0] - south.gradient[0]) / (2.0 * step),
+        );
+        close(
+            here.second[2],
+            (north.gradient[1] - south.gradient[1]) / (2.0 * step),
+        );
+    }
+}

@@ -1,0 +1,309 @@
+//! Every field of Meniscus, declared once. Storage, sorting, checkpoints, inspection and export follow.
+
+use meniscus_engine::field::Field;
+
+type Real = Field<f64>;
+type Index = Field<u32>;
+
+// Kept from step to step.
+
+/// Which particle it is, whatever its place in memory.
+pub static IDENTITY: Index = Field::state(
+    "identity",
+    "i",
+    "1",
+    "Number of the particle, kept for life.",
+);
+/// Distance from the axis less the origin of the scene.
+pub static RADIUS: Real = Field::state(
+    "radius",
+    "r",
+    "m",
+    "Distance from the axis less the scene's origin.",
+);
+/// Position along the axis.
+pub static AXIAL: Real = Field::state("axial", "z", "m", "Position along the axis.");
+/// Radial velocity.
+pub static VELOCITY_R: Real = Field::state("velocity_r", "U_r", "m/s", "Radial velocity.");
+/// Axial velocity.
+pub static VELOCITY_Z: Real = Field::state("velocity_z", "U_z", "m/s", "Axial velocity.");
+/// Density.
+pub static DENSITY: Real = Field::state("density", "rho", "kg/m3", "Density.");
+/// Mass of the torus that a particle is.
+pub static MASS: Real = Field::state("mass", "m", "kg", "Mass of the particle's torus.");
+/// Constant that is subtracted from pressures.
+pub static REFERENCE_PRESSURE: Real = Field::state(
+    "reference_pressure",
+    "P_ref",
+    "Pa",
+    "Pressure subtracted from the particle's own and its ghost's, the same within one drop.",
+);
+/// Radius at which the neighbour list was built.
+pub static LIST_RADIUS: Real = Field::state(
+    "list_radius",
+    "r_l",
+    "m",
+    "Radius when the neighbour list was built.",
+);
+/// Axial position at which the neighbour list was built.
+pub static LIST_AXIAL: Real = Field::state(
+    "list_axial",
+    "z_l",
+    "m",
+    "Axial position when the neighbour list was built.",
+);
+/// Half of the support radius for which the neighbour list was built.
+pub static LIST_REACH: Real = Field::state(
+    "list_reach",
+    "h_l",
+    "m",
+    "Half support radius when the neighbour list was built.",
+);
+/// Factor of the kernel gradient.
+pub static KERNEL_SCALE: Real = Field::state(
+    "kernel_scale",
+    "s",
+    "1",
+    "Factor of the kernel gradient that makes the discrete gradient exact in the mean.",
+);
+/// Where the particle lies relative to the surface.
+pub static SURFACE: Index = Field::state(
+    "surface",
+    "b",
+    "1",
+    "0 inside, 1 near the boundary, 2 at the boundary.",
+);
+/// Laplace pressure when the curvature was last computed.
+pub static LAPLACE_PRESSURE: Real = Field::state(
+    "laplace_pressure",
+    "P_L",
+    "Pa",
+    "Surface tension times curvature when the curvature was last computed; zero inside.",
+);
+/// Rate of the Laplace pressure between the last two computations of the curvature.
+pub static LAPLACE_PRESSURE_RATE: Real = Field::state(
+    "laplace_pressure_rate",
+    "dP_L/dt",
+    "Pa/s",
+    "Rate of the Laplace pressure between the last two computations of the curvature.",
+);
+/// Gradient of the Laplace pressure along the surface, radial component.
+pub static LAPLACE_SLOPE_R: Real = Field::state(
+    "laplace_slope_r",
+    "grad_s P_L",
+    "Pa/m",
+    "Gradient of the Laplace pressure along the surface, radial component.",
+);
+/// Gradient of the Laplace pressure along the surface, axial component.
+pub static LAPLACE_SLOPE_Z: Real = Field::state(
+    "laplace_slope_z",
+    "grad_s P_L",
+    "Pa/m",
+    "Gradient of the Laplace pressure along the surface, axial component.",
+);
+/// Non-dissipative acceleration of the step before, radial component.
+pub static PREVIOUS_ACCELERATION_R: Real = Field::state(
+    "previous_acceleration_r",
+    "a_w",
+    "m/s2",
+    "Acceleration of the step before without the velocity jump's part, radial component.",
+);
+/// Non-dissipative acceleration of the step before, axial component.
+pub static PREVIOUS_ACCELERATION_Z: Real = Field::state(
+    "previous_acceleration_z",
+    "a_w",
+    "m/s2",
+    "Acceleration of the step before without the velocity jump's part, axial component.",
+);
+/// d U_r / d r of the step before.
+pub static GRADIENT_RR: Real = Field::state(
+    "gradient_rr",
+    "dU_r/dr",
+    "1/s",
+    "Velocity gradient of the step before.",
+);
+/// d U_r / d z of the step before.
+pub static GRADIENT_RZ: Real = Field::state(
+    "gradient_rz",
+    "dU_r/dz",
+    "1/s",
+    "Velocity gradient of the step before.",
+);
+/// d U_z / d r of the step before.
+pub static GRADIENT_ZR: Real = Field::state(
+    "gradient_zr",
+    "dU_z/dr",
+    "1/s",
+    "Velocity gradient of the step before.",
+);
+/// d U_z / d z of the step before.
+pub static GRADIENT_ZZ: Real = Field::state(
+    "gradient_zz",
+    "dU_z/dz",
+    "1/s",
+    "Velocity gradient of the step before.",
+);
+/// Smoothed rate of d U_r / d r.
+pub static GRADIENT_RATE_RR: Real = Field::state(
+    "gradient_rate_rr",
+    "s_rr",
+    "1/s2",
+    "Smoothed rate of the velocity gradient.",
+);
+/// Smoothed rate of d U_r / d z.
+pub static GRADIENT_RATE_RZ: Real = Field::state(
+    "gradient_rate_rz",
+    "s_rz",
+    "1/s2",
+    "Smoothed rate of the velocity gradient.",
+);
+/// Smoothed rate of d U_z / d r.
+pub static GRADIENT_RATE_ZR: Real = Field::state(
+    "gradient_rate_zr",
+    "s_zr",
+    "1/s2",
+    "Smoothed rate of the velocity gradient.",
+);
+/// Smoothed rate of d U_z / d z.
+pub static GRADIENT_RATE_ZZ: Real = Field::state(
+    "gradient_rate_zz",
+    "s_zz",
+    "1/s2",
+    "Smoothed rate of the velocity gradient.",
+);
+
+// Computed anew in every step.
+
+/// Particle size D = sqrt(V).
+pub static SIZE: Real = Field::derived("size", "D", "m", "Particle size, the root of its area.");
+/// Pressure less the reference pressure.
+pub static PRESSURE: Real = Field::derived(
+    "pressure",
+    "P",
+    "Pa",
+    "Pressure less the reference pressure.",
+);
+/// Sound speed.
+pub static SOUND_SPEED: Real = Field::derived("sound_speed", "C", "m/s", "Speed of sound.");
+/// Volumetric strain rate d eps / dt.
+pub static STRAIN_RATE: Real = Field::derived(
+    "strain_rate",
+    "deps/dt",
+    "1/s",
+    "Volumetric strain rate, -(1/rho) d rho/dt.",
+);
+/// Force density without the velocity jump's part, radial.
+pub static FORCE_R: Real = Field::derived(
+    "force_r",
+    "rho a_w",
+    "N/m3",
+    "Density times acceleration without the velocity jump's part, radial component.",
+);
+/// Force density without the velocity jump's part, axial.
+pub static FORCE_Z: Real = Field::derived(
+    "force_z",
+    "rho a_w",
+    "N/m3",
+    "Density times acceleration without the velocity jump's part, axial component.",
+);
+/// Dissipative force density, radial.
+pub static DISSIPATION_R: Real = Field::derived(
+    "dissipation_r",
+    "rho a_d",
+    "N/m3",
+    "Density times acceleration by the velocity jumps of the Riemann states, radial component.",
+);
+/// Dissipative force density, axial.
+pub static DISSIPATION_Z: Real = Field::derived(
+    "dissipation_z",
+    "rho a_d",
+    "N/m3",
+    "Density times acceleration by the velocity jumps of the Riemann states, axial component.",
+);
+/// Force density that acts through the free surface, radial.
+pub static SURFACE_FORCE_R: Real = Field::derived(
+    "surface_force_r",
+    "f_s",
+    "N/m3",
+    "Force density that acts through the free surface, radial component.",
+);
+/// Force density that acts through the free surface, axial.
+pub static SURFACE_FORCE_Z: Real = Field::derived(
+    "surface_force_z",
+    "f_s",
+    "N/m3",
+    "Force density that acts through the free surface, axial component.",
+);
+/// Moment matrix L_rr.
+pub static MOMENT_RR: Real = Field::derived(
+    "moment_rr",
+    "L_rr",
+    "1",
+    "Moment matrix, one inside and less at the surface.",
+);
+/// Moment matrix L_rz.
+pub static MOMENT_RZ: Real =
+    Field::derived("moment_rz", "L_rz", "1", "Moment matrix, zero inside.");
+/// Moment matrix L_zz.
+pub static MOMENT_ZZ: Real = Field::derived(
+    "moment_zz",
+    "L_zz",
+    "1",
+    "Moment matrix, one inside and less at the surface.",
+);
+/// Weight vector of the ghost particle, radial.
+pub static GHOST_WEIGHT_R: Real = Field::derived(
+    "ghost_weight_r",
+    "bw_r",
+    "1/m",
+    "Weight vector of the particle's ghost, outward, radial component.",
+);
+/// Weight vector of the ghost particle, axial.
+pub static GHOST_WEIGHT_Z: Real = Field::derived(
+    "ghost_weight_z",
+    "bw_z",
+    "1/m",
+    "Weight vector of the particle's ghost, outward, axial component.",
+);
+/// Velocity differences summed for the gradient: radial velocity, radial direction.
+pub static VELOCITY_SUM_RR: Real = Field::derived(
+    "velocity_sum_rr",
+    "T_rr",
+    "1/s",
+    "Velocity gradient before division by L.",
+);
+/// Velocity differences summed for the gradient: radial velocity, axial direction.
+pub static VELOCITY_SUM_RZ: Real = Field::derived(
+    "velocity_sum_rz",
+    "T_rz",
+    "1/s",
+    "Velocity gradient before division by L.",
+);
+/// Velocity differences summed for the gradient: axial velocity, radial direction.
+pub static VELOCITY_SUM_ZR: Real = Field::derived(
+    "velocity_sum_zr",
+    "T_zr",
+    "1/s",
+    "Velocity gradient before division by L.",
+);
+/// Velocity differences summed for the gradient: axial velocity, axial direction.
+pub static VELOCITY_SUM_ZZ: Real = Field::derived(
+    "velocity_sum_zz",
+    "T_zz",
+    "1/s",
+    "Velocity gradient before division by L.",
+);
+/// Gradient of the particle concentration, radial.
+pub static CROWDING_R: Real = Field::derived(
+    "crowding_r",
+    "grad C_r",
+    "1/m",
+    "Gradient of the particle concentration, from which shifting moves away, radial component.",
+);
+/// Gradient of the particle concentration, axial.
+pub static CROWDING_Z: Real = Field::derived(
+    "crowding_z",
+    "grad C_z",
+    "1/m",
+    "Gradient of the particle concentration, from which shifting moves away, axial component.",
+);

@@ -1,0 +1,114 @@
+//! Ghost coupling: every surface particle meets one ghost that holds the Laplace pressure.
+
+use crate::fields;
+use crate::surface::INSIDE;
+use meniscus_engine::parallel;
+use meniscus_engine::pipeline::{Fault, Stage, World};
+use meniscus_engine::store::{Add, Read, Write};
+use meniscus_engine::wiring::Wiring;
+
+/// Impedance of a ghost relative to its particle's: nearly vacuum (method.md, section 8).
+const IMPEDANCE_RATIO: f64 = 1e-6;
+
+/// Surface tension's part of the coupling.
+struct Tension {
+    pressure: Read<f64>,
+    rate: Read<f64>,
+}
+
+/// The stage: d eps += 2 (U* - U_a . e)|bw| and the surface force -2 P* bw, with e = bw/|bw|,
+/// U_g = U_a and P_g = P_external + P_L (equations (24), (25); method.md, section 8).
+pub struct GhostCoupling {
+    external_pressure: f64,
+    tension: Option<Tension>,
+    surface: Read<u32>,
+    weight: [Read<f64>; 2],
+    pressure: Read<f64>,
+    reference_pressure: Read<f64>,
+    density: Read<f64>,
+    sound_speed: Read<f64>,
+    strain_rate: Add<f64>,
+    force: [Write<f64>; 2],
+}
+
+impl GhostCoupling {
+    /// Ghosts hold the external pressure in Pa, and the Laplace pressure where there is surface tension.
+    pub fn new(wiring: &mut Wiring, external_pressure: f64, with_tension: bool) -> Self {
+        wiring.stage("ghost-coupling");
+        let force = [&fields::SURFACE_FORCE_R, &fields::SURFACE_FORCE_Z];
+        GhostCoupling {
+            external_pressure,
+            tension: with_tension.then(|| Tension {
+                pressure: wiring.read(&fields::LAPLACE_PRESSURE),
+                rate: wiring.read(&fields::LAPLACE_PRESSURE_RATE),
+            }),
+            surface: wiring.read(&fields::SURFACE),
+            weight: [
+                wiring.read(&fields::GHOST_WEIGHT_R),
+                wiring.read(&fields::GHOST_WEIGHT_Z),
+            ],
+            pressure: wiring.read(&fields::PRESSURE),
+            reference_pressure: wiring.read(&fields::REFERENCE_PRESSURE),
+            density: wiring.read(&fields::DENSITY),
+            sound_speed: wiring.read(&fields::SOUND_SPEED),
+            strain_rate: wiring.add(&fields::STRAIN_RATE),
+            force: force.map(|field| wiring.write(field)),
+        }
+    }
+}
+
+impl Stage for GhostCoupling {
+    fn name(&self) -> &'static str {
+        "ghost-coupling"
+    }
+
+    fn run(&mut self, world: &mut World) -> Result<(), Fault> {
+        let store = &world.store;
+        let surface = store.read(self.surface);
+        let [weight_r, weight_z] = self.weight.map(|field| store.read(field));
+        let (pressure, reference) = (
+            store.read(self.pressure),
+            store.read(self.reference_pressure),
+        );
+        let (density, sound_speed) = (store.read(self.density), store.read(self.sound_speed));
+        let tension = self
+            .tension
+            .as_ref()
+            .map(|t| (store.read(t.pressure), store.read(t.rate)));
+        let tension = tension
+            .as_ref()
+            .map(|(pressure, rate)| (&pressure[..], &rate[..]));
+        // Between two computations of the curvature its pressure is carried on at the last rate:
+        // a lag would feed the oscillation (method.md, section 10).
+        let elapsed = world.clock.time - world.clock.mark("curvature");
+        let mut strain_rate = store.write(self.strain_rate);
+        let [mut force_r, mut force_z] = self.force.map(|field| store.write(field));
+
+        let columns = (&mut strain_rate[..], &mut force_r[..], &mut force_z[..]);
+        parallel::for_chunks(
+            surface.len(),
+            columns,
+            |start, (strain_rate, force_r, force_z)| {
+                for k in 0..strain_rate.len() {
+                    let i = start + k;
+                    if surface[i] == INSIDE {
+                        (force_r[k], force_z[k]) = (0.0, 0.0);
+                        continue;
+                    }
+                    let laplace =
+                        tension.map_or(0.0, |(pressure, rate)| pressure[i] + elapsed * rate[i]);
+                    let ghost_pressure = self.external_pressure + laplace - reference[i];
+                    let impedance = density[i] * sound_speed[i];
+                    let ghost_impedance = IMPEDANCE_RATIO * impedance;
+                    let both = impedance + ghost_impedance;
+                    let star = (ghost_pressure * impedance + pressure[i] * ghost_impedance) / both;
+                    let rise = (pressure[i] - ghost_pressure) / both;
+                    strain_rate[k] += 2.0 * rise * weight_r[i].hypot(weight_z[i]);
+                    force_r[k] = -2.0 * star * weight_r[i];
+                    force_z[k] = -2.0 * star * weight_z[i];
+                }
+            },
+        );
+        Ok(())
+    }
+}

@@ -1,0 +1,225 @@
+//! Integrate: the time step, then velocities, densities and positions.
+
+use crate::fields;
+use meniscus_engine::parallel;
+use meniscus_engine::pipeline::{Fault, Stage, World};
+use meniscus_engine::store::{Read, Update};
+use meniscus_engine::wiring::Wiring;
+
+/// A step this much shorter than the acoustic one at rest is a blow-up, not a step.
+const VANISHING: f64 = 1e-4;
+
+/// How velocities are brought forward.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scheme {
+    /// Explicit Euler, as the paper has it (method.md, section 6).
+    Euler,
+    /// Adams-Bashforth for all but the dissipative part, which like the density takes an Euler step
+    /// (method.md, section 10, "One traversal a step").
+    AdamsBashforth,
+}
+
+/// Limits of the time step.
+#[derive(Clone, Copy, Debug)]
+pub struct Courant {
+    /// Courant number.
+    pub number: f64,
+    /// Sound speed at rest, m/s.
+    pub sound_speed: f64,
+    /// Particle size at the start, m.
+    pub particle_size: f64,
+    /// Distance of the scene's origin from the axis, m.
+    pub origin: f64,
+}
+
+/// The stage.
+pub struct Integrate {
+    courant: Courant,
+    identity: Read<u32>,
+    position: [Update<f64>; 2],
+    velocity: [Update<f64>; 2],
+    density: Update<f64>,
+    previous: Option<[Update<f64>; 2]>,
+    force: [Read<f64>; 2],
+    dissipation: [Read<f64>; 2],
+    strain_rate: Read<f64>,
+    size: Read<f64>,
+    sound_speed: Read<f64>,
+}
+
+impl Integrate {
+    /// Moves the particles by one step.
+    pub fn new(wiring: &mut Wiring, scheme: Scheme, courant: Courant) -> Self {
+        wiring.stage("integrate");
+        let previous = [
+            &fields::PREVIOUS_ACCELERATION_R,
+            &fields::PREVIOUS_ACCELERATION_Z,
+        ];
+        let two_step = scheme == Scheme::AdamsBashforth;
+        Integrate {
+            courant,
+            identity: wiring.read(&fields::IDENTITY),
+            position: [
+                wiring.update(&fields::RADIUS),
+                wiring.update(&fields::AXIAL),
+            ],
+            velocity: [
+                wiring.update(&fields::VELOCITY_R),
+                wiring.update(&fields::VELOCITY_Z),
+            ],
+            density: wiring.update(&fields::DENSITY),
+            previous: two_step.then(|| previous.map(|field| wiring.update(field))),
+            force: [wiring.read(&fields::FORCE_R), wiring.read(&fields::FORCE_Z)],
+            dissipation: [
+                wiring.read(&fields::DISSIPATION_R),
+                wiring.read(&fields::DISSIPATION_Z),
+            ],
+            strain_rate: wiring.read(&fields::STRAIN_RATE),
+            size: wiring.read(&fields::SIZE),
+            sound_speed: wiring.read(&fields::SOUND_SPEED),
+        }
+    }
+
+    /// dt = CFL min D/sqrt(C^2 + (4 D d eps/dt)^2) (method.md, section 6).
+    fn acoustic_bound(&self, world: &World) -> f64 {
+        let (size, sound_speed) = (
+            world.store.read(self.size),
+            world.store.read(self.sound_speed),
+        );
+        let strain_rate = world.store.read(self.strain_rate);
+        let (size, sound_speed, strain_rate) = (&size[..], &sound_speed[..], &strain_rate[..]);
+        let slowest = parallel::maximum(size.len(), |i| {
+            let strain = 4.0 * size[i] * strain_rate[i];
+            (sound_speed[i] * sound_speed[i] + strain * strain) / (size[i] * size[i])
+        });
+        self.courant.number / slowest.sqrt()
+    }
+
+    fn choose_step(&self, world: &mut World) -> Result<f64, Fault> {
+        let acoustic = self.acoustic_bound(world);
+        world.clock.limit("acoustic", acoustic);
+        let step_size = world
+            .clock
+            .bound()
+            .map_or(acoustic, |bound| bound.step_size);
+        let at_rest = self.courant.number * self.courant.particle_size / self.courant.sound_speed;
+        if step_size > VANISHING * at_rest {
+            return Ok(step_size);
+        }
+        // Name the particle whose strain rate is to blame.
+        let strain_rate = world.store.read(self.strain_rate);
+        let larger = |&a: &usize, &b: &usize| strain_rate[a].abs().total_cmp(&strain_rate[b].abs());
+        let worst = (0..strain_rate.len()).max_by(larger).unwrap_or(0);
+        Err(self.fault(world, worst, "strain_rate", strain_rate[worst]))
+    }
+
+    fn fault(&self, world: &World, i: usize, quantity: &'static str, value: f64) -> Fault {
+        let [r, z] = self.position.map(|field| world.store.write(field)[i]);
+        let particle = world.store.read(self.identity)[i];
+        Fault {
+            stage: "integrate",
+            particle,
+            quantity,
+            value,
+            r,
+            z,
+            step: world.clock.step,
+        }
+    }
+
+    /// Moves all particles; the first one that went bad, if any.
+    fn advance(&self, world: &World, dt: f64) -> Option<Bad> {
+        let store = &world.store;
+        let [force_r, force_z] = self.force.map(|field| store.read(field));
+        let [dissipation_r, dissipation_z] = self.dissipation.map(|field| store.read(field));
+        let strain_rate = store.read(self.strain_rate);
+        let [mut r, mut z] = self.position.map(|field| store.write(field));
+        let [mut u, mut w] = self.velocity.map(|field| store.write(field));
+        let mut density = store.write(self.density);
+        let mut previous = self
+            .previous
+            .map(|fields| fields.map(|field| store.write(field)));
+        let previous = previous.as_mut().map(|[r, z]| (&mut r[..], &mut z[..]));
+
+        let before = world.clock.previous_step_size;
+        let q = if previous.is_some() && before > 0.0 {
+            dt / (2.0 * before)
+        } else {
+            0.0
+        };
+        let origin = self.courant.origin;
+        let (force_r, force_z, strain_rate) = (&force_r[..], &force_z[..], &strain_rate[..]);
+        let (dissipation_r, dissipation_z) = (&dissipation_r[..], &dissipation_z[..]);
+        let body = |start: usize, columns: Columns, len: usize| {
+            let ((r, z), (u, w), density, mut previous) = columns;
+            let mut bad = None;
+            for k in 0..len {
+                let i = start + k;
+                let inverse = 1.0 / density[k];
+                let mut a = [force_r[i] * inverse, force_z[i] * inverse];
+                if let Some((previous_r, previous_z)) = &mut previous {
+                    let now = a;
+                    a = [
+                        (1.0 + q) * a[0] - q * previous_r[k],
+                        (1.0 + q) * a[1] - q * previous_z[k],
+                    ];
+                    (previous_r[k], previous_z[k]) = (now[0], now[1]);
+                }
+                let du = dt * (a[0] + dissipation_r[i] * inverse);
+                let dw = dt * (a[1] + dissipation_z[i] * inverse);
+                r[k] += dt * (u[k] + 0.5 * du);
+                z[k] += dt * (w[k] + 0.5 * dw);
+                u[k] += du;
+                w[k] += dw;
+                density[k] *= (-dt * strain_rate[i]).exp();
+                let sound = density[k] > 0.0 && (density[k] + u[k] + w[k] + z[k]).is_finite();
+                if !(sound && r[k] + origin > 0.0) && bad.is_none() {
+                    bad = Some(name_bad(i, [density[k], u[k], w[k], z[k], r[k]]));
+                }
+            }
+            bad
+        };
+        let first = |a: Option<Bad>, b: Option<Bad>| a.or(b);
+        let columns = (
+            (&mut r[..], &mut z[..]),
+            (&mut u[..], &mut w[..]),
+            &mut density[..],
+            previous,
+        );
+        parallel::fold_chunks(force_r.len(), columns, &body, &first)
+    }
+}
+
+/// A particle, the quantity that went bad, and its value.
+type Bad = (usize, &'static str, f64);
+
+type Pair<'a> = (&'a mut [f64], &'a mut [f64]);
+type Columns<'a> = (Pair<'a>, Pair<'a>, &'a mut [f64], Option<Pair<'a>>);
+
+fn name_bad(i: usize, [density, u, w, z, r]: [f64; 5]) -> Bad {
+    if !(density > 0.0 && density.is_finite()) {
+        (i, "density", density)
+    } else if !u.is_finite() {
+        (i, "velocity_r", u)
+    } else if !w.is_finite() {
+        (i, "velocity_z", w)
+    } else if !z.is_finite() {
+        (i, "axial", z)
+    } else {
+        (i, "radius", r)
+    }
+}
+
+impl Stage for Integrate {
+    fn name(&self) -> &'static str {
+        "integrate"
+    }
+
+    fn run(&mut self, world: &mut World) -> Result<(), Fault> {
+        let dt = self.choose_step(world)?;
+        match self.advance(world, dt) {
+            Some((i, quantity, value)) => Err(self.fault(world, i, quantity, value)),
+            None => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! The moment matrix of one particle: its eigenvalues and inverse.
+
+/// A symmetric 2 x 2 matrix, rows and columns in the order r, z.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moment {
+    /// L_rr
+    pub rr: f64,
+    /// L_rz
+    pub rz: f64,
+    /// L_zz
+    pub zz: f64,
+}
+
+impl Moment {
+    /// The smaller eigenvalue.
+    #[inline]
+    pub fn smallest_eigenvalue(&self) -> f64 {
+        let half_difference = 0.5 * (self.rr - self.zz);
+        0.5 * self.trace() - (half_difference * half_difference + self.rz * self.rz).sqrt()
+    }
+
+    /// Sum of the diagonal.
+    #[inline]
+    pub fn trace(&self) -> f64 {
+        self.rr + self.zz
+    }
+
+    /// L v.
+    #[inline]
+    pub fn apply(&self, [r, z]: [f64; 2]) -> [f64; 2] {
+        [self.rr * r + self.rz * z, self.rz * r + self.zz * z]
+    }
+
+    /// The inverse; entries are not finite where the matrix is singular.
+    #[inline]
+    pub fn inverse(&self) -> Moment {
+        let inverse = 1.0 / (self.rr * self.zz - self.rz * self.rz);
+        Moment {
+            rr: self.zz * inverse,
+            rz: -self.rz * inverse,
+            zz: self.rr * inverse,
+        }
+    }
+
+    /// T L^{-1} for T in the order rr, rz, zr, zz (velocity component, direction).
+    #[inline]
+    pub fn solve(&self, sum: [f64; 4]) -> [f64; 4] {
+        let inverse = self.inverse();
+        let [rr, rz] = inverse.apply([sum[0], sum[1]]);
+        let [zr, zz] = inverse.apply([sum[2], sum[3]]);
+        [rr, rz, zr, zz]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn eigenvalue_and_inverse() {
+        let moment = Moment {
+            rr: 2.0,
+            rz: 1.0,
+            zz: 2.0,
+        };
+        assert!((moment.smallest_eigenvalue() - 1.0).abs() < 1e-15);
+        let [r, z] = moment.inverse().apply(moment.apply([0.3, -0.7]));
+        assert!((r - 0.3).abs() < 1e-15 && (z + 0.7).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,134 @@
+//! Two corrections of the surface layer, where a particle's neighbourhood is incomplete
+//! (method.md, section 10, "The surface error, later").
+
+use crate::fields;
+use crate::moment::Moment;
+use crate::surface::INSIDE;
+use meniscus_engine::parallel;
+use meniscus_engine::pipeline::{Fault, Stage, World};
+use meniscus_engine::store::{Add, Read};
+use meniscus_engine::wiring::Wiring;
+
+/// Below this smallest eigenvalue of L its inverse is not used.
+pub const INVERTIBLE: f64 = 0.2;
+
+/// T: one ghost carries no gradient of the Laplace pressure along the surface. The missing force is
+/// -(I - L) grad_s P_L.
+pub struct TangentialPressure {
+    surface: Read<u32>,
+    moment: [Read<f64>; 3],
+    slope: [Read<f64>; 2],
+    force: [Add<f64>; 2],
+}
+
+impl TangentialPressure {
+    /// Adds to the surface force.
+    pub fn new(wiring: &mut Wiring) -> Self {
+        wiring.stage("tangential-pressure");
+        let force = [&fields::SURFACE_FORCE_R, &fields::SURFACE_FORCE_Z];
+        TangentialPressure {
+            surface: wiring.read(&fields::SURFACE),
+            moment: moment(wiring),
+            slope: [
+                wiring.read(&fields::LAPLACE_SLOPE_R),
+                wiring.read(&fields::LAPLACE_SLOPE_Z),
+            ],
+            force: force.map(|field| wiring.add(field)),
+        }
+    }
+}
+
+fn moment(wiring: &mut Wiring) -> [Read<f64>; 3] {
+    [&fields::MOMENT_RR, &fields::MOMENT_RZ, &fields::MOMENT_ZZ].map(|field| wiring.read(field))
+}
+
+impl Stage for TangentialPressure {
+    fn name(&self) -> &'static str {
+        "tangential-pressure"
+    }
+
+    fn run(&mut self, world: &mut World) -> Result<(), Fault> {
+        let store = &world.store;
+        let surface = store.read(self.surface);
+        let [rr, rz, zz] = self.moment.map(|field| store.read(field));
+        let [slope_r, slope_z] = self.slope.map(|field| store.read(field));
+        let [mut force_r, mut force_z] = self.force.map(|field| store.write(field));
+        let columns = (&mut force_r[..], &mut force_z[..]);
+        parallel::for_chunks(surface.len(), columns, |start, (force_r, force_z)| {
+            for k in 0..force_r.len() {
+                let i = start + k;
+                if surface[i] != INSIDE {
+                    let missing = Moment {
+                        rr: 1.0 - rr[i],
+                        rz: -rz[i],
+                        zz: 1.0 - zz[i],
+                    };
+                    let [r, z] = missing.apply([slope_r[i], slope_z[i]]);
+                    force_r[k] -= r;
+                    force_z[k] -= z;
+                }
+            }
+        });
+        Ok(())
+    }
+}
+
+/// S: the pair sum of the strain rate is short at the surface by tr(T L^{-1}) - tr(T).
+pub struct StrainCorrection {
+    surface: Read<u32>,
+    moment: [Read<f64>; 3],
+    velocity_sum: [Read<f64>; 4],
+    strain_rate: Add<f64>,
+}
+
+impl StrainCorrection {
+    /// Adds to the strain rate.
+    pub fn new(wiring: &mut Wiring) -> Self {
+        wiring.stage("strain-correction");
+        let sum = [
+            &fields::VELOCITY_SUM_RR,
+            &fields::VELOCITY_SUM_RZ,
+            &fields::VELOCITY_SUM_ZR,
+            &fields::VELOCITY_SUM_ZZ,
+        ];
+        StrainCorrection {
+            surface: wiring.read(&fields::SURFACE),
+            moment: moment(wiring),
+            velocity_sum: sum.map(|field| wiring.read(field)),
+            strain_rate: wiring.add(&fields::STRAIN_RATE),
+        }
+    }
+}
+
+impl Stage for StrainCorrection {
+    fn name(&self) -> &'static str {
+        "strain-correction"
+    }
+
+    fn run(&mut self, world: &mut World) -> Result<(), Fault> {
+        let store = &world.store;
+        let surface = store.read(self.surface);
+        let [rr, rz, zz] = self.moment.map(|field| store.read(field));
+        let sum = self.velocity_sum.map(|field| store.read(field));
+        let mut strain_rate = store.write(self.strain_rate);
+        parallel::for_chunks(surface.len(), &mut strain_rate[..], |start, strain_rate| {
+            for (k, strain_rate) in strain_rate.iter_mut().enumerate() {
+                let i = start + k;
+                if surface[i] == INSIDE {
+                    continue;
+                }
+                let moment = Moment {
+                    rr: rr[i],
+                    rz: rz[i],
+                    zz: zz[i],
+                };
+                if moment.smallest_eigenvalue() >= INVERTIBLE {
+                    let sum = std::array::from_fn(|c| sum[c][i]);
+                    let gradient = moment.solve(sum);
+                    *strain_rate += (gradient[0] + gradient[3]) - (sum[0] + sum[3]);
+                }
+            }
+        });
+        Ok(())
+    }
+}

@@ -1,0 +1,69 @@
+//! Where particles crowd: the direction from which shifting moves them away.
+
+use crate::contact::Contact;
+use crate::fields;
+use crate::record::FlowState;
+use arrayvec::ArrayVec;
+use meniscus_engine::lanes::Lanes;
+use meniscus_engine::pairs::{MOST_OUTPUTS, PairTerm};
+use meniscus_engine::store::Write;
+use meniscus_engine::wiring::Wiring;
+
+/// sum_b [1 + 0.2 (W_ab/W(D))^4] V_b g_ab e_ab: the gradient of the particle concentration with the
+/// term of Monaghan that keeps particles from pairing (method.md, section 12, after Sun et al. 2017).
+pub struct Crowding {
+    theta: f64,
+    crowding: [Write<f64>; 2],
+}
+
+impl Crowding {
+    /// Writes the two components; `theta` is the smoothing length parameter.
+    pub fn new(wiring: &mut Wiring, theta: f64) -> Self {
+        let crowding = [
+            wiring.write(&fields::CROWDING_R),
+            wiring.write(&fields::CROWDING_Z),
+        ];
+        Crowding { theta, crowding }
+    }
+}
+
+/// (1 + 4 q)(1 - q)^4 of the Wendland C2 kernel.
+#[inline(always)]
+fn shape(inside: Lanes) -> Lanes {
+    let square = inside * inside;
+    Lanes::splat(4.0).neg_mul_add(inside, Lanes::splat(5.0)) * (square * square)
+}
+
+impl<R: FlowState> PairTerm<R, Contact> for Crowding {
+    type Sum = [Lanes; 2];
+    const OUTPUTS: usize = 2;
+
+    #[inline(always)]
+    fn zero(&self) -> [Lanes; 2] {
+        [Lanes::ZERO; 2]
+    }
+
+    #[inline(always)]
+    fn add(&self, a: &R, b: &R, pair: &Contact, sum: &mut [Lanes; 2]) {
+        let distance = pair.dr.mul_add(pair.dr, pair.dz * pair.dz).sqrt();
+        let support = a.flow().reach + b.flow().reach;
+        let inside = (Lanes::ONE - distance / support).max(Lanes::ZERO);
+        // W(D): two equal particles at their regular distance lie at q = 1/(4 theta).
+        let regular = shape(Lanes::splat(1.0 - 1.0 / (4.0 * self.theta)).max(Lanes::splat(0.1)));
+        let ratio = shape(inside) / regular;
+        let square = ratio * ratio;
+        let factor = Lanes::splat(0.2).mul_add(square * square, Lanes::ONE);
+        let weight = factor * b.flow().area * pair.kernel;
+        sum[0] = weight.mul_add(pair.dr, sum[0]);
+        sum[1] = weight.mul_add(pair.dz, sum[1]);
+    }
+
+    #[inline(always)]
+    fn finish(&self, _: &R, sum: [Lanes; 2], results: &mut [Lanes]) {
+        results.copy_from_slice(&sum);
+    }
+
+    fn outputs(&self, columns: &mut ArrayVec<Write<f64>, MOST_OUTPUTS>) {
+        columns.extend(self.crowding);
+    }
+}

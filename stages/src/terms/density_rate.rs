@@ -1,0 +1,54 @@
+//! Density rate: the volumetric strain rate from the contact velocities.
+
+use crate::contact::Contact;
+use crate::fields;
+use crate::geometry::Geometry;
+use crate::record::FlowState;
+use arrayvec::ArrayVec;
+use meniscus_engine::lanes::Lanes;
+use meniscus_engine::pairs::{MOST_OUTPUTS, PairTerm};
+use meniscus_engine::store::Write;
+use meniscus_engine::wiring::Wiring;
+
+/// d eps_a/dt = sum_b w_ab (U* - U_a) . e_ab g_ab + U_r,a/R_a (equation (16); method.md, section 3).
+pub struct DensityRate<G> {
+    geometry: G,
+    strain_rate: Write<f64>,
+}
+
+impl<G: Geometry> DensityRate<G> {
+    /// Writes the strain rate.
+    pub fn new(wiring: &mut Wiring, geometry: G) -> Self {
+        DensityRate {
+            geometry,
+            strain_rate: wiring.write(&fields::STRAIN_RATE),
+        }
+    }
+}
+
+impl<R: FlowState, G: Geometry> PairTerm<R, Contact> for DensityRate<G> {
+    type Sum = Lanes;
+    const OUTPUTS: usize = 1;
+
+    #[inline(always)]
+    fn zero(&self) -> Lanes {
+        Lanes::ZERO
+    }
+
+    #[inline(always)]
+    fn add(&self, _: &R, _: &R, pair: &Contact, sum: &mut Lanes) {
+        *sum = (pair.weight * pair.kernel).mul_add(pair.rise, *sum);
+    }
+
+    #[inline(always)]
+    fn finish(&self, a: &R, sum: Lanes, results: &mut [Lanes]) {
+        let flow = a.flow();
+        results[0] = flow
+            .velocity_r
+            .mul_add(self.geometry.inverse_radius(flow), sum);
+    }
+
+    fn outputs(&self, columns: &mut ArrayVec<Write<f64>, MOST_OUTPUTS>) {
+        columns.push(self.strain_rate);
+    }
+}

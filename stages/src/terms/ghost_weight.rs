@@ -1,0 +1,56 @@
+//! The weight of a particle's ghost: what the neighbours leave open of a closed surface.
+
+use crate::contact::Contact;
+use crate::fields;
+use crate::geometry::Geometry;
+use crate::record::FlowState;
+use arrayvec::ArrayVec;
+use meniscus_engine::lanes::Lanes;
+use meniscus_engine::pairs::{MOST_OUTPUTS, PairTerm};
+use meniscus_engine::store::Write;
+use meniscus_engine::wiring::Wiring;
+
+/// bw_a = -(1/2) sum_b w_ab g_ab e_ab + e_r/(2 R_a): with a ghost of this weight a constant pressure
+/// gives no force (equation (23); method.md, section 8). It points outwards.
+pub struct GhostWeight<G> {
+    geometry: G,
+    weight: [Write<f64>; 2],
+}
+
+impl<G: Geometry> GhostWeight<G> {
+    /// Writes the weight vector.
+    pub fn new(wiring: &mut Wiring, geometry: G) -> Self {
+        let weight = [
+            wiring.write(&fields::GHOST_WEIGHT_R),
+            wiring.write(&fields::GHOST_WEIGHT_Z),
+        ];
+        GhostWeight { geometry, weight }
+    }
+}
+
+impl<R: FlowState, G: Geometry> PairTerm<R, Contact> for GhostWeight<G> {
+    type Sum = [Lanes; 2];
+    const OUTPUTS: usize = 2;
+
+    #[inline(always)]
+    fn zero(&self) -> [Lanes; 2] {
+        [Lanes::ZERO; 2]
+    }
+
+    #[inline(always)]
+    fn add(&self, _: &R, _: &R, pair: &Contact, sum: &mut [Lanes; 2]) {
+        let weight = pair.weight * pair.kernel;
+        sum[0] = weight.neg_mul_add(pair.dr, sum[0]);
+        sum[1] = weight.neg_mul_add(pair.dz, sum[1]);
+    }
+
+    #[inline(always)]
+    fn finish(&self, a: &R, sum: [Lanes; 2], results: &mut [Lanes]) {
+        results[0] = Lanes::HALF * (sum[0] + self.geometry.hoop_force(a.flow()));
+        results[1] = Lanes::HALF * sum[1];
+    }
+
+    fn outputs(&self, columns: &mut ArrayVec<Write<f64>, MOST_OUTPUTS>) {
+        columns.extend(self.weight);
+    }
+}

@@ -1,0 +1,15 @@
+//! The pair terms: what a pass sums over neighbours, one file each.
+
+mod crowding;
+mod density_rate;
+mod ghost_weight;
+mod moment_matrix;
+mod pressure_riemann;
+mod velocity_sum;
+
+pub use crowding::Crowding;
+pub use density_rate::DensityRate;
+pub use ghost_weight::GhostWeight;
+pub use moment_matrix::MomentMatrix;
+pub use pressure_riemann::PressureRiemann;
+pub use velocity_sum::VelocitySum;

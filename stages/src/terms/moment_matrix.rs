@@ -1,0 +1,53 @@
+//! The moment matrix: how complete a particle's neighbourhood is.
+
+use crate::contact::Contact;
+use crate::fields;
+use crate::record::FlowState;
+use arrayvec::ArrayVec;
+use meniscus_engine::lanes::Lanes;
+use meniscus_engine::pairs::{MOST_OUTPUTS, PairTerm};
+use meniscus_engine::store::Write;
+use meniscus_engine::wiring::Wiring;
+
+/// L_a = sum_b V_b g_ab e_ab (x) (r_b - r_a), images included (equation (21)).
+pub struct MomentMatrix {
+    moment: [Write<f64>; 3],
+}
+
+impl MomentMatrix {
+    /// Writes L_rr, L_rz and L_zz.
+    pub fn new(wiring: &mut Wiring) -> Self {
+        let moment = [&fields::MOMENT_RR, &fields::MOMENT_RZ, &fields::MOMENT_ZZ];
+        MomentMatrix {
+            moment: moment.map(|field| wiring.write(field)),
+        }
+    }
+}
+
+impl<R: FlowState> PairTerm<R, Contact> for MomentMatrix {
+    type Sum = [Lanes; 3];
+    const OUTPUTS: usize = 3;
+
+    #[inline(always)]
+    fn zero(&self) -> [Lanes; 3] {
+        [Lanes::ZERO; 3]
+    }
+
+    #[inline(always)]
+    fn add(&self, _: &R, b: &R, pair: &Contact, sum: &mut [Lanes; 3]) {
+        let weight = b.flow().area * pair.kernel;
+        let (r, z) = (weight * pair.dr, weight * pair.dz);
+        sum[0] = r.mul_add(pair.dr, sum[0]);
+        sum[1] = r.mul_add(pair.dz, sum[1]);
+        sum[2] = z.mul_add(pair.dz, sum[2]);
+    }
+
+    #[inline(always)]
+    fn finish(&self, _: &R, sum: [Lanes; 3], results: &mut [Lanes]) {
+        results.copy_from_slice(&sum);
+    }
+
+    fn outputs(&self, columns: &mut ArrayVec<Write<f64>, MOST_OUTPUTS>) {
+        columns.extend(self.moment);
+    }
+}

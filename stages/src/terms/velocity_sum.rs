@@ -1,0 +1,62 @@
+//! The velocity gradient before it is divided by the moment matrix.
+
+use crate::contact::Contact;
+use crate::fields;
+use crate::record::FlowState;
+use arrayvec::ArrayVec;
+use meniscus_engine::lanes::Lanes;
+use meniscus_engine::pairs::{MOST_OUTPUTS, PairTerm};
+use meniscus_engine::store::Write;
+use meniscus_engine::wiring::Wiring;
+
+/// T_a = sum_b V_b (U_b - U_a) (x) g_ab e_ab, images included; T L^{-1} is the velocity gradient,
+/// exact for a linear field (method.md, section 10).
+pub struct VelocitySum {
+    sum: [Write<f64>; 4],
+}
+
+impl VelocitySum {
+    /// Writes the four components.
+    pub fn new(wiring: &mut Wiring) -> Self {
+        let sum = [
+            &fields::VELOCITY_SUM_RR,
+            &fields::VELOCITY_SUM_RZ,
+            &fields::VELOCITY_SUM_ZR,
+            &fields::VELOCITY_SUM_ZZ,
+        ];
+        VelocitySum {
+            sum: sum.map(|field| wiring.write(field)),
+        }
+    }
+}
+
+impl<R: FlowState> PairTerm<R, Contact> for VelocitySum {
+    type Sum = [Lanes; 4];
+    const OUTPUTS: usize = 4;
+
+    #[inline(always)]
+    fn zero(&self) -> [Lanes; 4] {
+        [Lanes::ZERO; 4]
+    }
+
+    #[inline(always)]
+    fn add(&self, a: &R, b: &R, pair: &Contact, sum: &mut [Lanes; 4]) {
+        let (a, b) = (a.flow(), b.flow());
+        let weight = b.area * pair.kernel;
+        let (r, z) = (weight * pair.dr, weight * pair.dz);
+        let (du, dw) = (b.velocity_r - a.velocity_r, b.velocity_z - a.velocity_z);
+        sum[0] = du.mul_add(r, sum[0]);
+        sum[1] = du.mul_add(z, sum[1]);
+        sum[2] = dw.mul_add(r, sum[2]);
+        sum[3] = dw.mul_add(z, sum[3]);
+    }
+
+    #[inline(always)]
+    fn finish(&self, _: &R, sum: [Lanes; 4], results: &mut [Lanes]) {
+        results.copy_from_slice(&sum);
+    }
+
+    fn outputs(&self, columns: &mut ArrayVec<Write<f64>, MOST_OUTPUTS>) {
+        columns.extend(self.sum);
+    }
+}
