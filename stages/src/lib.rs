@@ -2,6 +2,7 @@
 
 pub mod boundary_detect;
 pub mod colour_field;
+pub mod components;
 pub mod contact;
 pub mod correction;
 pub mod curvature_colour;
@@ -10,6 +11,7 @@ pub mod equation_of_state;
 pub mod fields;
 pub mod geometry;
 pub mod ghost_coupling;
+pub mod initial_pressure;
 pub mod integrate;
 pub mod kernel_correction;
 pub mod moment;

@@ -1,5 +1,6 @@
 //! The reference pressure of every drop: a constant pressure that does not act on the packing's disorder.
 
+use crate::components::components;
 use crate::equation_of_state::Packing;
 use crate::fields;
 use meniscus_engine::pipeline::{Fault, Stage, World};
@@ -36,55 +37,6 @@ impl ReferencePressure {
             reference: wiring.update(&fields::REFERENCE_PRESSURE),
         }
     }
-
-    /// Joins every two particles within each other's support; the roots are the components' least
-    /// particles.
-    fn components<'a>(&self, world: &'a World) -> &'a mut [u32] {
-        let [r, z] = self.position.map(|field| world.store.read(field));
-        let size = world.store.read(self.size);
-        let list = &world.neighbours;
-        let Packing {
-            domain,
-            theta,
-            largest_size,
-        } = self.packing;
-        let parent = world.arena.alloc_slice_fill_with(r.len(), |i| i as u32);
-        for a in 0..r.len() {
-            for number in list.of(a) {
-                let b = list.source(number);
-                if b >= a {
-                    continue;
-                }
-                let (r_b, z_b) = match number.checked_sub(list.len()) {
-                    Some(image) => domain.place(&list.images()[image], r[b], z[b]),
-                    None => (r[b], z[b]),
-                };
-                let support = 2.0 * theta * (size[a].min(largest_size) + size[b].min(largest_size));
-                let (dr, dz) = (r_b - r[a], z_b - z[a]);
-                if dr * dr + dz * dz < support * support {
-                    join(parent, a as u32, b as u32);
-                }
-            }
-        }
-        for i in 0..parent.len() {
-            parent[i] = root(parent, i as u32);
-        }
-        parent
-    }
-}
-
-fn root(parent: &mut [u32], mut i: u32) -> u32 {
-    while parent[i as usize] != i {
-        let above = parent[parent[i as usize] as usize];
-        parent[i as usize] = above;
-        i = above;
-    }
-    i
-}
-
-fn join(parent: &mut [u32], a: u32, b: u32) {
-    let (a, b) = (root(parent, a), root(parent, b));
-    parent[a.max(b) as usize] = a.min(b);
 }
 
 impl Stage for ReferencePressure {
@@ -96,7 +48,15 @@ impl Stage for ReferencePressure {
         if !world.clock.step.is_multiple_of(INTERVAL) {
             return Ok(());
         }
-        let component = self.components(world);
+        let component = {
+            let [r, z] = self.position.map(|field| world.store.read(field));
+            components(
+                &world.neighbours,
+                &self.packing,
+                [&r, &z, &world.store.read(self.size)],
+                &world.arena,
+            )
+        };
         let (mass, pressure) = (world.store.read(self.mass), world.store.read(self.pressure));
         let mut reference = world.store.write(self.reference);
         // Per component: mass, mass times reference, mass times pressure above the reference.

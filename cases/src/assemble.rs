@@ -1,0 +1,444 @@
+//! From a scene's choices to a pipeline: one line a stage, with the reason why it is in or left out.
+
+use crate::scene::{
+    AxisTreatment, Curvature, Flux, Method, ReferencePressure, Scheme, TimeIntegration,
+};
+use meniscus_engine::neighbours::Domain;
+use meniscus_engine::pairs::{PairPass, PairTerm};
+use meniscus_engine::pipeline::{Pipeline, Stage};
+use meniscus_engine::wiring::{Wiring, WiringError};
+use meniscus_stages::boundary_detect::{BoundaryDetect, ColourGuard};
+use meniscus_stages::colour_field::ColourField;
+use meniscus_stages::contact::{Contact, ContactProblem, FirstOrder, Limited, Reconstruction};
+use meniscus_stages::correction::MomentumCorrection;
+use meniscus_stages::curvature_colour::{ColourCurvature, CurvatureColour};
+use meniscus_stages::curvature_normals::CurvatureNormals;
+use meniscus_stages::equation_of_state::{Linear, Packing, State};
+use meniscus_stages::geometry::{Geometry, HarmonicMean, NearAxisParshikov, Parshikov};
+use meniscus_stages::ghost_coupling::GhostCoupling;
+use meniscus_stages::initial_pressure::InitialPressure;
+use meniscus_stages::integrate::{self, Courant, Integrate};
+use meniscus_stages::kernel_correction::KernelCorrection;
+use meniscus_stages::record::{FlowRecord, FlowState, GradientRecord};
+use meniscus_stages::reference_pressure;
+use meniscus_stages::shifting::{Shifting, Strength};
+use meniscus_stages::sort_bin::SortBin;
+use meniscus_stages::surface_corrections::{StrainCorrection, TangentialPressure};
+use meniscus_stages::terms::{
+    Crowding, DensityRate, GhostWeight, MomentMatrix, PressureRiemann, VelocitySum,
+};
+use meniscus_stages::velocity_gradient::VelocityGradient;
+use std::sync::{Arc, Mutex};
+
+/// What the pipeline models, in SI units.
+#[derive(Clone, Debug)]
+pub struct Physics {
+    /// Numerical choices.
+    pub method: Method,
+    /// Equation of state.
+    pub equation: Linear,
+    /// Surface tension in N/m.
+    pub surface_tension: f64,
+    /// Axis and period.
+    pub domain: Domain,
+    /// Particle size at the start in m.
+    pub particle_size: f64,
+    /// Speed that scales shifting, m/s.
+    pub shifting_speed: f64,
+}
+
+/// One stage that could be in the pipeline.
+#[derive(Clone, Debug)]
+pub struct PlanLine {
+    /// Name of the stage.
+    pub stage: &'static str,
+    /// Whether it is in.
+    pub present: bool,
+    /// Why it is in or out.
+    pub reason: String,
+}
+
+/// A checked pipeline with its wiring and plan.
+pub struct Assembly {
+    /// The fields and who touches them.
+    pub wiring: Wiring,
+    /// The stages.
+    pub pipeline: Pipeline,
+    /// Every stage, in or out, with the reason.
+    pub plan: Vec<PlanLine>,
+}
+
+type Stages = Vec<Box<dyn Stage>>;
+
+struct Builder<'a> {
+    physics: &'a Physics,
+    packing: Packing,
+    colour: Arc<Mutex<ColourField>>,
+    wiring: Wiring,
+    plan: Vec<PlanLine>,
+}
+
+/// Builds the pipeline of the given physics.
+///
+/// # Errors
+/// A mistake in the order or access of stages: a mistake here, not in the scene.
+pub fn assemble(physics: &Physics) -> Result<Assembly, WiringError> {
+    let packing = Packing {
+        domain: physics.domain,
+        theta: physics.method.theta,
+        // D grows without bound as a particle nears the axis; its support must not.
+        largest_size: 2.0 * physics.particle_size,
+    };
+    let colour = Arc::new(Mutex::new(ColourField::default()));
+    let mut builder = Builder {
+        physics,
+        packing,
+        colour,
+        wiring: Wiring::new(),
+        plan: Vec::new(),
+    };
+    let stages = builder.step();
+    builder.wiring.check()?;
+    let plan = std::mem::take(&mut builder.plan);
+    let start = builder.start();
+    Ok(Assembly {
+        wiring: builder.wiring,
+        pipeline: Pipeline::new(start, stages),
+        plan,
+    })
+}
+
+impl Builder<'_> {
+    /// Notes a stage in the plan; whether it is in.
+    fn plan(&mut self, stage: &'static str, present: bool, reasons: (&str, &str)) -> bool {
+        let reason = if present { reasons.0 } else { reasons.1 }.to_string();
+        self.plan.push(PlanLine {
+            stage,
+            present,
+            reason,
+        });
+        present
+    }
+
+    fn with_tension(&self) -> bool {
+        self.physics.surface_tension > 0.0
+    }
+
+    fn reconstructs(&self) -> bool {
+        self.physics.method.flux == Flux::Reconstructed
+    }
+
+    fn two_rows(&self) -> bool {
+        self.reconstructs() || self.physics.method.kernel_correction
+    }
+
+    fn corrects_strain(&self) -> bool {
+        self.physics.method.strain_correction
+    }
+
+    fn state(&mut self) -> Box<dyn Stage> {
+        let two_rows = self.two_rows();
+        Box::new(State::new(
+            &mut self.wiring,
+            self.physics.equation,
+            self.packing,
+            two_rows,
+        ))
+    }
+
+    fn sort(&mut self) -> Box<dyn Stage> {
+        let skin = self.skin();
+        Box::new(SortBin::new(&mut self.wiring, self.packing, skin))
+    }
+
+    fn skin(&self) -> f64 {
+        self.physics.method.skin * self.physics.particle_size
+    }
+
+    /// The stages of one time step, in their order.
+    fn step(&mut self) -> Stages {
+        let method = self.physics.method.clone();
+        let mut stages = Stages::new();
+        self.plan(
+            "sort-bin",
+            true,
+            (
+                "neighbours and memory order, anew when the skin is used up",
+                "",
+            ),
+        );
+        stages.push(self.sort());
+        self.plan(
+            "equation-of-state",
+            true,
+            ("pressure from density, packed rows", ""),
+        );
+        stages.push(self.state());
+        self.plan("flux", true, (&self.describe_flux(), ""));
+        stages.push(self.flux());
+        self.plan(
+            "boundary-detect",
+            true,
+            ("the liquid has a free surface", ""),
+        );
+        stages.push(self.boundary());
+        let reasons = (
+            "surface tension is above zero",
+            "there is no surface tension",
+        );
+        if self.plan("curvature", self.with_tension(), reasons) {
+            stages.push(self.curvature());
+        }
+        self.plan(
+            "ghost-coupling",
+            true,
+            ("the outside pressure acts at the free surface", ""),
+        );
+        let with_tension = self.with_tension();
+        stages.push(Box::new(GhostCoupling::new(
+            &mut self.wiring,
+            0.0,
+            with_tension,
+        )));
+        let tangential = self.with_slope();
+        let reasons = (
+            "ghosts carry no gradient along the surface",
+            "not asked for, or no colour field",
+        );
+        if self.plan("tangential-pressure", tangential, reasons) {
+            stages.push(Box::new(TangentialPressure::new(&mut self.wiring)));
+        }
+        let reasons = (
+            "the pair sum of the strain is short at the surface",
+            "not asked for",
+        );
+        if self.plan("strain-correction", self.corrects_strain(), reasons) {
+            stages.push(Box::new(StrainCorrection::new(&mut self.wiring)));
+        }
+        self.plan(
+            "correction",
+            true,
+            ("surface forces join; they must not move the whole", ""),
+        );
+        stages.push(Box::new(MomentumCorrection::new(
+            &mut self.wiring,
+            method.momentum_correction,
+        )));
+        let reference = method.reference_pressure == ReferencePressure::Component;
+        let reasons = (
+            "a constant pressure must not act on the packing's disorder",
+            "not asked for",
+        );
+        if self.plan("reference-pressure", reference, reasons) {
+            let stage = reference_pressure::ReferencePressure::new(&mut self.wiring, self.packing);
+            stages.push(Box::new(stage));
+        }
+        let reasons = ("the kernel sum is short", "not asked for");
+        if self.plan("kernel-correction", method.kernel_correction, reasons) {
+            stages.push(Box::new(KernelCorrection::new(&mut self.wiring)));
+        }
+        let reasons = (
+            "the flux reconstructs velocities",
+            "the first-order flux needs no gradients",
+        );
+        if self.plan("velocity-gradient", self.reconstructs(), reasons) {
+            stages.push(Box::new(VelocityGradient::new(&mut self.wiring)));
+        }
+        self.plan("integrate", true, ("time moves on", ""));
+        stages.push(self.integrate());
+        let reasons = (
+            "asked for with a positive coefficient",
+            "its coefficient is zero",
+        );
+        if self.plan("shifting", method.shifting > 0.0, reasons) {
+            let strength = Strength {
+                coefficient: method.shifting,
+                speed: self.physics.shifting_speed,
+                theta: method.theta,
+                origin: self.physics.domain.origin,
+            };
+            stages.push(Box::new(Shifting::new(&mut self.wiring, strength, true)));
+        }
+        stages
+    }
+
+    /// The stages that run once before the first step: gradients to predict from, and the pressure.
+    fn start(&mut self) -> Stages {
+        let mut stages = vec![self.sort(), self.state(), self.flux(), self.boundary()];
+        if self.with_tension() {
+            stages.push(self.curvature());
+            let with_reference =
+                self.physics.method.reference_pressure == ReferencePressure::Component;
+            let (equation, packing) = (self.physics.equation, self.packing);
+            let stage = InitialPressure::new(&mut self.wiring, equation, packing, with_reference);
+            stages.push(Box::new(stage));
+        }
+        if self.reconstructs() {
+            stages.push(Box::new(VelocityGradient::new(&mut self.wiring)));
+        }
+        stages
+    }
+
+    fn boundary(&mut self) -> Box<dyn Stage> {
+        let method = &self.physics.method;
+        // The colour-field curvature takes its particles from the guard's look-up.
+        let colour = method.colour_guard > 0.0 || self.colour_curvature();
+        let guard = colour.then(|| ColourGuard {
+            field: self.colour.clone(),
+            highest: if method.colour_guard > 0.0 {
+                method.colour_guard
+            } else {
+                f64::INFINITY
+            },
+            support: method.colour_support,
+            slack: 0.5 * self.skin(),
+        });
+        let interval = method.curvature_interval;
+        Box::new(BoundaryDetect::new(
+            &mut self.wiring,
+            self.packing,
+            interval,
+            guard,
+        ))
+    }
+
+    fn colour_curvature(&self) -> bool {
+        self.with_tension() && self.physics.method.curvature == Curvature::ColourField
+    }
+
+    fn with_slope(&self) -> bool {
+        self.colour_curvature() && self.physics.method.tangential_pressure
+    }
+
+    fn curvature(&mut self) -> Box<dyn Stage> {
+        let (method, surface_tension) = (&self.physics.method, self.physics.surface_tension);
+        if method.curvature == Curvature::NormalDivergence {
+            let theta = method.normal_theta;
+            let stage =
+                CurvatureNormals::new(&mut self.wiring, self.packing, surface_tension, theta);
+            return Box::new(stage);
+        }
+        let settings = ColourCurvature {
+            surface_tension,
+            support: method.colour_support,
+            interval: method.curvature_interval,
+            with_slope: self.with_slope(),
+        };
+        Box::new(CurvatureColour::new(
+            &mut self.wiring,
+            self.packing,
+            settings,
+            self.colour.clone(),
+        ))
+    }
+
+    fn integrate(&mut self) -> Box<dyn Stage> {
+        let scheme = match self.physics.method.time_integration {
+            TimeIntegration::AdamsBashforth => integrate::Scheme::AdamsBashforth,
+            TimeIntegration::Euler => integrate::Scheme::Euler,
+        };
+        let courant = Courant {
+            number: self.physics.method.cfl,
+            sound_speed: self.physics.equation.sound_speed,
+            particle_size: self.physics.particle_size,
+            origin: self.physics.domain.origin,
+        };
+        Box::new(Integrate::new(&mut self.wiring, scheme, courant))
+    }
+
+    fn describe_flux(&self) -> String {
+        let method = &self.physics.method;
+        let weights = match (method.scheme, method.axis) {
+            (Scheme::Parshikov, _) => "Parshikov's weights".to_string(),
+            (_, AxisTreatment::Conservative) => "harmonic-mean weights".to_string(),
+            (_, AxisTreatment::Parshikov) => {
+                format!(
+                    "harmonic-mean weights, Parshikov's within {} h of the axis",
+                    method.axis_factor
+                )
+            }
+        };
+        let flux = if self.reconstructs() {
+            "reconstructed velocities"
+        } else {
+            "first-order flux"
+        };
+        format!("all pair sums in one traversal: {weights}, {flux}")
+    }
+
+    fn flux(&mut self) -> Box<dyn Stage> {
+        let origin = self.physics.domain.origin;
+        let axis_factor = self.physics.method.axis_factor;
+        match (self.physics.method.scheme, self.physics.method.axis) {
+            (Scheme::Parshikov, _) => self.flux_with(Parshikov { origin }),
+            (_, AxisTreatment::Conservative) => self.flux_with(HarmonicMean { origin }),
+            (_, AxisTreatment::Parshikov) => self.flux_with(NearAxisParshikov {
+                origin,
+                axis_factor,
+            }),
+        }
+    }
+
+    fn flux_with<G: Geometry + 'static>(&mut self, geometry: G) -> Box<dyn Stage> {
+        if self.reconstructs() {
+            // beta = min(1, 300 |J_r|/C) (method.md, section 10, "Coalescence, later").
+            let sharpness = 300.0 / self.physics.equation.sound_speed;
+            self.terms::<GradientRecord, _, _>(geometry, Limited { sharpness })
+        } else if self.two_rows() {
+            self.terms::<GradientRecord, _, _>(geometry, FirstOrder)
+        } else {
+            self.terms::<FlowRecord, _, _>(geometry, FirstOrder)
+        }
+    }
+
+    fn terms<R, G, F>(&mut self, geometry: G, reconstruction: F) -> Box<dyn Stage>
+    where
+        R: FlowState + 'static,
+        G: Geometry + 'static,
+        F: Reconstruction<R> + 'static,
+    {
+        let wiring = &mut self.wiring;
+        wiring.stage("flux");
+        let flow = (
+            DensityRate::new(wiring, geometry),
+            PressureRiemann::new(wiring, geometry),
+        );
+        let edge = (
+            MomentMatrix::new(wiring),
+            GhostWeight::new(wiring, geometry),
+        );
+        let theta = self.physics.method.theta;
+        let with_sum = self.reconstructs() || self.corrects_strain();
+        let problem = ContactProblem {
+            geometry,
+            reconstruction,
+        };
+        let wiring = &mut self.wiring;
+        match (with_sum, self.physics.method.shifting > 0.0) {
+            (false, false) => pass::<R, _, _, _>(problem, (flow, edge)),
+            (true, false) => pass::<R, _, _, _>(problem, (flow, edge, VelocitySum::new(wiring))),
+            (false, true) => {
+                pass::<R, _, _, _>(problem, (flow, edge, Crowding::new(wiring, theta)))
+            }
+            (true, true) => {
+                let terms = (
+                    flow,
+                    edge,
+                    VelocitySum::new(wiring),
+                    Crowding::new(wiring, theta),
+                );
+                pass::<R, _, _, _>(problem, terms)
+            }
+        }
+    }
+}
+
+fn pass<R, G, F, T>(problem: ContactProblem<G, F>, terms: T) -> Box<dyn Stage>
+where
+    R: FlowState + 'static,
+    G: Geometry + 'static,
+    F: Reconstruction<R> + 'static,
+    T: PairTerm<R, Contact> + 'static,
+{
+    Box::new(PairPass::<R, _, _>::new("flux", problem, terms))
+}

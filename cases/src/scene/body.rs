@@ -1,0 +1,94 @@
+//! Bodies of liquid: their shapes and initial velocities.
+
+use super::diagnosis::Fault;
+use super::entry::Entry;
+use super::formula::Formula;
+use super::quantity::VELOCITY;
+use super::section::Section;
+use super::shapes;
+use crate::region::Region;
+use crate::shape::Shape;
+
+/// A body of liquid.
+#[derive(Debug, Clone)]
+pub struct Body {
+    /// Where the liquid is.
+    pub shape: Shape,
+    /// How it moves at first.
+    pub velocity: VelocityField,
+}
+
+/// An initial velocity.
+#[derive(Debug, Clone)]
+pub struct VelocityField {
+    radial: Formula,
+    axial: Formula,
+}
+
+impl VelocityField {
+    /// No motion.
+    pub fn rest() -> Self {
+        Self {
+            radial: Formula::zero(),
+            axial: Formula::zero(),
+        }
+    }
+
+    /// Velocity `[U_r, U_z]` in m/s at the point r, z in metres.
+    pub fn at(&self, r: f64, z: f64) -> [f64; 2] {
+        [self.radial.at(r, z), self.axial.at(r, z)]
+    }
+}
+
+/// Points along each side of the grid on which fields are sampled.
+pub(super) const SAMPLES: usize = 64;
+
+/// Reads a body; `origin` is the radius of the scene's r = 0. Also hands back the entry of its
+/// shape, for later mistakes.
+pub(super) fn read<'a>(entry: Entry<'a>, origin: f64) -> Result<(Body, Entry<'a>), Fault> {
+    let table = Section::new(entry, &["shape", "velocity"])?;
+    let place = table.required("shape", "shape = { sphere = { radius = \"2.5 um\" } }")?;
+    let shape = shapes::read(place.clone(), origin)?;
+    if shape.bounds()[0] < -origin {
+        let message = "the body reaches across the axis";
+        return Err(place.fault(message, "keep its r above minus the `origin` of [domain]"));
+    }
+    let velocity = table.read_or("velocity", VelocityField::rest(), |entry| {
+        read_velocity(entry, &shape)
+    })?;
+    Ok((Body { shape, velocity }, place))
+}
+
+fn read_velocity(entry: Entry<'_>, shape: &Shape) -> Result<VelocityField, Fault> {
+    entry.context.check_finite()?;
+    let table = Section::new(entry, &["r", "z"])?;
+    let component = |key: &str| {
+        table.read_or(key, Formula::zero(), |entry| {
+            let formula = entry.field(Some(VELOCITY))?;
+            match shape
+                .interior_points(SAMPLES)
+                .find(|[r, z]| !formula.at(*r, *z).is_finite())
+            {
+                None => Ok(formula),
+                Some(point) => Err(not_finite(&entry, &formula, point)),
+            }
+        })
+    };
+    Ok(VelocityField {
+        radial: component("r")?,
+        axial: component("z")?,
+    })
+}
+
+/// The mistake that a field has no value at a point.
+pub(super) fn not_finite(entry: &Entry<'_>, formula: &Formula, [r, z]: [f64; 2]) -> Fault {
+    let message = format!(
+        "`{}` is {} at r = {r:.3e} m, z = {z:.3e} m",
+        entry.path,
+        formula.at(r, z)
+    );
+    entry.fault(
+        message,
+        "check for divisions by zero, and for roots and logarithms of negative numbers",
+    )
+}

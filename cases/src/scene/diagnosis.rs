@@ -1,0 +1,137 @@
+//! What is reported about a scene: one mistake or doubt, with the place it is about.
+
+use miette::{Diagnostic, LabeledSpan, NamedSource, Severity, SourceCode, SourceSpan};
+use std::fmt;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// One mistake (an error) or doubt (a warning) about a scene, with the file, the place that is to
+/// blame, and help. Displayed in full by `miette`.
+#[derive(Debug, Clone)]
+pub struct Diagnosis {
+    severity: Severity,
+    report: Arc<Report>,
+}
+
+#[derive(Debug)]
+struct Report {
+    message: String,
+    help: String,
+    place: Option<Place>,
+}
+
+/// A stretch of a source and what to write under it.
+#[derive(Debug)]
+pub(super) struct Place {
+    pub(super) source: NamedSource<String>,
+    pub(super) span: Range<usize>,
+    pub(super) label: String,
+}
+
+impl Diagnosis {
+    pub(super) fn new(
+        severity: Severity,
+        message: String,
+        help: String,
+        place: Option<Place>,
+    ) -> Self {
+        Self {
+            severity,
+            report: Arc::new(Report {
+                message,
+                help,
+                place,
+            }),
+        }
+    }
+
+    /// Whether this is an error, not a warning.
+    pub fn is_error(&self) -> bool {
+        self.severity == Severity::Error
+    }
+
+    /// Name of the source that is to blame: the scene's path, or `--set`.
+    pub fn source_name(&self) -> Option<&str> {
+        self.report.place.as_ref().map(|place| place.source.name())
+    }
+
+    /// Line of that source, counted from 1.
+    pub fn line(&self) -> Option<usize> {
+        let place = self.report.place.as_ref()?;
+        Some(
+            place.source.inner()[..place.span.start]
+                .matches('\n')
+                .count()
+                + 1,
+        )
+    }
+
+    /// The text that is underlined.
+    pub fn blamed(&self) -> Option<&str> {
+        let place = self.report.place.as_ref()?;
+        Some(&place.source.inner()[place.span.clone()])
+    }
+}
+
+impl fmt::Display for Diagnosis {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(&self.report.message)
+    }
+}
+
+impl std::error::Error for Diagnosis {}
+
+impl Diagnostic for Diagnosis {
+    fn severity(&self) -> Option<Severity> {
+        Some(self.severity)
+    }
+
+    fn help(&self) -> Option<Box<dyn fmt::Display + '_>> {
+        (!self.report.help.is_empty()).then(|| Box::new(&self.report.help) as Box<dyn fmt::Display>)
+    }
+
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        self.report
+            .place
+            .as_ref()
+            .map(|place| &place.source as &dyn SourceCode)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        let place = self.report.place.as_ref()?;
+        let label = (!place.label.is_empty()).then(|| place.label.clone());
+        let span = SourceSpan::from(place.span.clone());
+        Some(Box::new(std::iter::once(LabeledSpan::new_with_span(
+            label, span,
+        ))))
+    }
+}
+
+/// A mistake at a place of the effective text, before it is known which source that came from.
+#[derive(Debug)]
+pub(super) struct Fault {
+    pub(super) span: Range<usize>,
+    pub(super) message: String,
+    pub(super) label: String,
+    pub(super) help: String,
+}
+
+impl Fault {
+    pub(super) fn new(
+        span: Range<usize>,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) -> Self {
+        Self {
+            span,
+            message: message.into(),
+            label: String::new(),
+            help: help.into(),
+        }
+    }
+
+    pub(super) fn labelled(mut self, label: impl Into<String>) -> Self {
+        self.label = label.into();
+        self
+    }
+}

@@ -1,0 +1,122 @@
+//! Checked expressions, ready to be evaluated.
+
+use super::expression::{Operator, is_bare_zero};
+use super::functions::Function;
+use super::quantity::{Dimension, Quantity};
+
+/// A checked expression in r and z, in SI units throughout.
+#[derive(Debug, Clone)]
+pub struct Formula {
+    pub(super) code: Code,
+    pub(super) dimension: Dimension,
+}
+
+impl Formula {
+    /// Zero, of any dimension.
+    pub fn zero() -> Self {
+        Self {
+            code: Code::Constant(0.0),
+            dimension: Dimension::NONE,
+        }
+    }
+
+    /// The same quantity everywhere.
+    pub(super) fn constant_of(quantity: Quantity) -> Self {
+        Self {
+            code: Code::Constant(quantity.value),
+            dimension: quantity.dimension,
+        }
+    }
+
+    /// Value at the point r, z, both in metres.
+    pub fn at(&self, r: f64, z: f64) -> f64 {
+        self.code.at(r, z)
+    }
+
+    pub(super) fn dimension(&self) -> Dimension {
+        self.dimension
+    }
+
+    /// The value, if it depends on neither r nor z.
+    pub(super) fn constant(&self) -> Option<Quantity> {
+        match self.code {
+            Code::Constant(value) => Some(Quantity {
+                value,
+                dimension: self.dimension,
+            }),
+            _ => None,
+        }
+    }
+
+    /// Whether it is the constant zero without a unit, which fits any dimension.
+    pub(super) fn is_bare_zero(&self) -> bool {
+        self.constant().is_some_and(is_bare_zero)
+    }
+}
+
+/// What is computed: a tree of operations on SI values.
+#[derive(Debug, Clone)]
+pub(super) enum Code {
+    Constant(f64),
+    Radius,
+    Height,
+    Negate(Box<Code>),
+    Binary(Operator, Box<[Code; 2]>),
+    WholePower(Box<Code>, i32),
+    Call(Function, Box<[Code]>),
+    Legendre {
+        degree: usize,
+        derivative: bool,
+        argument: Box<Code>,
+    },
+}
+
+impl Code {
+    fn at(&self, r: f64, z: f64) -> f64 {
+        match self {
+            Code::Constant(value) => *value,
+            Code::Radius => r,
+            Code::Height => z,
+            Code::Negate(inner) => -inner.at(r, z),
+            Code::Binary(operator, sides) => apply(*operator, sides[0].at(r, z), sides[1].at(r, z)),
+            Code::WholePower(base, exponent) => base.at(r, z).powi(*exponent),
+            Code::Call(function, arguments) => function.value(
+                arguments[0].at(r, z),
+                arguments.get(1).map_or(0.0, |second| second.at(r, z)),
+            ),
+            Code::Legendre {
+                degree,
+                derivative,
+                argument,
+            } => super::functions::legendre(*degree, argument.at(r, z))[usize::from(*derivative)],
+        }
+    }
+
+    /// The value in place of the code, if all that goes into it is constant.
+    pub(super) fn folded(self, inputs_constant: bool) -> Self {
+        if inputs_constant {
+            Code::Constant(self.at(0.0, 0.0))
+        } else {
+            self
+        }
+    }
+}
+
+fn apply(operator: Operator, left: f64, right: f64) -> f64 {
+    match operator {
+        Operator::Add => left + right,
+        Operator::Subtract => left - right,
+        Operator::Multiply => left * right,
+        Operator::Divide => left / right,
+        Operator::Power => left.powf(right),
+    }
+}
+
+/// The dimension of two formulas that are added or compared; a bare zero takes the other's.
+pub(super) fn common_dimension(left: &Formula, right: &Formula) -> Option<Dimension> {
+    if left.dimension == right.dimension || right.is_bare_zero() {
+        Some(left.dimension)
+    } else {
+        left.is_bare_zero().then_some(right.dimension)
+    }
+}

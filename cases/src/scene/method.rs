@@ -1,0 +1,193 @@
+//! The numerical choices of a scene.
+
+use super::choices::{AxisTreatment, Curvature, Flux, ReferencePressure, Scheme, TimeIntegration};
+use super::diagnosis::Fault;
+use super::entry::Entry;
+use super::quantity::NUMBER;
+use super::section::Section;
+
+/// Every numerical choice.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Method {
+    /// Weights of the pair sums.
+    pub scheme: Scheme,
+    /// Treatment of the axis.
+    pub axis: AxisTreatment,
+    /// Width K of the zone next to the axis, in smoothing lengths; at least 1.
+    pub axis_factor: f64,
+    /// Smoothing length over particle size, between 0.4 and 1.5.
+    pub theta: f64,
+    /// States of the Riemann problems.
+    pub flux: Flux,
+    /// Time integration.
+    pub time_integration: TimeIntegration,
+    /// Curvature estimate.
+    pub curvature: Curvature,
+    /// Steps from one curvature estimate to the next; at least 1.
+    pub curvature_interval: u64,
+    /// Support of the colour field, in particle sizes; positive.
+    pub colour_support: f64,
+    /// Smoothing length of the normals over particle size, between 0.4 and 3.
+    pub normal_theta: f64,
+    /// Pressure that forces are measured from.
+    pub reference_pressure: ReferencePressure,
+    /// Whether gradients are corrected to be exact for linear fields.
+    pub kernel_correction: bool,
+    /// Whether the pressure of tangential surface gradients is kept.
+    pub tangential_pressure: bool,
+    /// Whether the strain is corrected.
+    pub strain_correction: bool,
+    /// Threshold of the guard of the colour field, from 0 (off) to 1.
+    pub colour_guard: f64,
+    /// Whether the momentum that surface forces bring in is taken out again.
+    pub momentum_correction: bool,
+    /// Coefficient of particle shifting; 0 for none.
+    pub shifting: f64,
+    /// Courant number, above 0 and at most 1.
+    pub cfl: f64,
+    /// Margin of the neighbour lists, in particle sizes; not negative.
+    pub skin: f64,
+}
+
+impl Method {
+    /// The measured defaults.
+    pub fn defaults() -> Self {
+        Self {
+            scheme: Scheme::HarmonicMean,
+            axis: AxisTreatment::Conservative,
+            axis_factor: 2.0,
+            theta: 0.5,
+            flux: Flux::Reconstructed,
+            time_integration: TimeIntegration::AdamsBashforth,
+            curvature: Curvature::ColourField,
+            curvature_interval: 4,
+            colour_support: 8.0,
+            normal_theta: 1.5,
+            reference_pressure: ReferencePressure::Component,
+            kernel_correction: true,
+            tangential_pressure: true,
+            strain_correction: true,
+            colour_guard: 0.85,
+            momentum_correction: true,
+            shifting: 0.0,
+            cfl: 0.5,
+            skin: 0.3,
+        }
+    }
+
+    /// The paper's own choices.
+    pub fn paper() -> Self {
+        Self {
+            axis: AxisTreatment::Parshikov,
+            flux: Flux::FirstOrder,
+            time_integration: TimeIntegration::Euler,
+            curvature: Curvature::NormalDivergence,
+            curvature_interval: 1,
+            reference_pressure: ReferencePressure::None,
+            kernel_correction: false,
+            tangential_pressure: false,
+            strain_correction: false,
+            colour_guard: 0.0,
+            cfl: 0.3,
+            ..Self::defaults()
+        }
+    }
+
+    /// Reads the table of choices; what it leaves unset stays as in `base`.
+    pub(super) fn read(entry: Entry<'_>, base: Self) -> Result<Self, Fault> {
+        let table = Section::new(entry, &KEYS)?;
+        Ok(Self {
+            scheme: table.read_or("scheme", base.scheme, |entry| entry.choice())?,
+            axis: table.read_or("axis", base.axis, |entry| entry.choice())?,
+            axis_factor: table.read_or("axis_factor", base.axis_factor, |entry| {
+                entry.checked(NUMBER, "must be at least 1", |value| value >= 1.0)
+            })?,
+            theta: table.read_or("theta", base.theta, |entry| {
+                entry.checked(NUMBER, "must lie between 0.4 and 1.5", |value| {
+                    (0.4..=1.5).contains(&value)
+                })
+            })?,
+            flux: table.read_or("flux", base.flux, |entry| entry.choice())?,
+            time_integration: table.read_or(
+                "time_integration",
+                base.time_integration,
+                |entry| entry.choice(),
+            )?,
+            curvature: table.read_or("curvature", base.curvature, |entry| entry.choice())?,
+            curvature_interval: table.read_or(
+                "curvature_interval",
+                base.curvature_interval,
+                |entry| entry.count(1),
+            )?,
+            colour_support: table.read_or("colour_support", base.colour_support, |entry| {
+                entry.positive(NUMBER)
+            })?,
+            normal_theta: table.read_or("normal_theta", base.normal_theta, |entry| {
+                entry.checked(NUMBER, "must lie between 0.4 and 3", |value| {
+                    (0.4..=3.0).contains(&value)
+                })
+            })?,
+            reference_pressure: table.read_or(
+                "reference_pressure",
+                base.reference_pressure,
+                |entry| entry.choice(),
+            )?,
+            kernel_correction: table.read_or(
+                "kernel_correction",
+                base.kernel_correction,
+                |entry| entry.flag(),
+            )?,
+            tangential_pressure: table.read_or(
+                "tangential_pressure",
+                base.tangential_pressure,
+                |entry| entry.flag(),
+            )?,
+            strain_correction: table.read_or(
+                "strain_correction",
+                base.strain_correction,
+                |entry| entry.flag(),
+            )?,
+            colour_guard: table.read_or("colour_guard", base.colour_guard, |entry| {
+                entry.checked(NUMBER, "must lie between 0 (off) and 1", |value| {
+                    (0.0..=1.0).contains(&value)
+                })
+            })?,
+            momentum_correction: table.read_or(
+                "momentum_correction",
+                base.momentum_correction,
+                |entry| entry.flag(),
+            )?,
+            shifting: table.read_or("shifting", base.shifting, |entry| {
+                entry.not_negative(NUMBER)
+            })?,
+            cfl: table.read_or("cfl", base.cfl, |entry| {
+                entry.checked(NUMBER, "must be above 0 and at most 1", |value| {
+                    value > 0.0 && value <= 1.0
+                })
+            })?,
+            skin: table.read_or("skin", base.skin, |entry| entry.not_negative(NUMBER))?,
+        })
+    }
+}
+
+const KEYS: [&str; 19] = [
+    "scheme",
+    "axis",
+    "axis_factor",
+    "theta",
+    "flux",
+    "time_integration",
+    "curvature",
+    "curvature_interval",
+    "colour_support",
+    "normal_theta",
+    "reference_pressure",
+    "kernel_correction",
+    "tangential_pressure",
+    "strain_correction",
+    "colour_guard",
+    "momentum_correction",
+    "shifting",
+    "cfl",
+    "skin",
+];

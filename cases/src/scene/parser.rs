@@ -1,0 +1,176 @@
+//! The grammar of expressions.
+//!
+//! ```text
+//! sum      = product { ("+" | "-") product }
+//! product  = unary { ("*" | "/") unary }
+//! unary    = "-" unary | power
+//! power    = primary [ "^" unary ]
+//! primary  = number [ unit ] | name [ "(" sum { "," sum } ")" ] | "(" sum ")"
+//! unit     = symbol [ exponent ] { ( "/" | "*" | " " ) symbol [ exponent ] }
+//! ```
+//!
+//! A unit binds to its number more tightly than any operator: `1/2 m` is one over two metres.
+
+use super::expression::{Mistake, Node, Operator, Part};
+use super::scanner::Scanner;
+
+/// Length and nesting at most, so that no text exhausts the stack.
+const LENGTH: usize = 2000;
+const DEPTH: usize = 100;
+
+/// Reads a whole text.
+///
+/// # Errors
+/// At the first place that breaks the grammar.
+pub(super) fn parse(text: &str) -> Result<Node, Mistake> {
+    if text.len() > LENGTH {
+        let message = format!("the expression is longer than {LENGTH} characters");
+        return Err(Mistake::new(
+            0..text.len(),
+            message,
+            "name its parts in [parameters]",
+        ));
+    }
+    let mut parser = Parser {
+        scanner: Scanner::new(text),
+        depth: 0,
+    };
+    let node = parser.sum()?;
+    parser.scanner.skip_spaces();
+    if parser.scanner.position < text.len() {
+        return Err(parser.scanner.unexpected("an operator or the end"));
+    }
+    Ok(node)
+}
+
+struct Parser<'a> {
+    scanner: Scanner<'a>,
+    depth: usize,
+}
+
+impl Parser<'_> {
+    fn sum(&mut self) -> Result<Node, Mistake> {
+        self.depth += 1;
+        if self.depth > DEPTH {
+            let end = self.scanner.text.len();
+            return Err(Mistake::new(
+                self.scanner.position..end,
+                "the expression is nested too deeply",
+                "name its parts in [parameters]",
+            ));
+        }
+        let mut left = self.product()?;
+        while let Some(operator) = self.operator(&[('+', Operator::Add), ('-', Operator::Subtract)])
+        {
+            left = binary(operator, left, self.product()?);
+        }
+        self.depth -= 1;
+        Ok(left)
+    }
+
+    fn product(&mut self) -> Result<Node, Mistake> {
+        let mut left = self.unary()?;
+        while let Some(operator) =
+            self.operator(&[('*', Operator::Multiply), ('/', Operator::Divide)])
+        {
+            left = binary(operator, left, self.unary()?);
+        }
+        Ok(left)
+    }
+
+    fn unary(&mut self) -> Result<Node, Mistake> {
+        self.scanner.skip_spaces();
+        let start = self.scanner.position;
+        let mut negative = false;
+        while self.scanner.eat('-') {
+            negative = !negative;
+        }
+        if self.scanner.position == start {
+            return self.power();
+        }
+        let inner = self.power()?;
+        let span = start..inner.span.end;
+        Ok(if negative {
+            Node {
+                part: Part::Negate(Box::new(inner)),
+                span,
+            }
+        } else {
+            inner
+        })
+    }
+
+    fn power(&mut self) -> Result<Node, Mistake> {
+        let base = self.primary()?;
+        if !self.scanner.eat('^') {
+            return Ok(base);
+        }
+        self.depth += 1;
+        if self.depth > DEPTH {
+            return Err(self.scanner.unexpected("fewer powers of powers"));
+        }
+        let exponent = self.unary()?;
+        self.depth -= 1;
+        Ok(binary(Operator::Power, base, exponent))
+    }
+
+    fn primary(&mut self) -> Result<Node, Mistake> {
+        self.scanner.skip_spaces();
+        let start = self.scanner.position;
+        match self.scanner.peek() {
+            Some('(') => {
+                self.scanner.eat('(');
+                let inner = self.sum()?;
+                self.scanner.expect(')')?;
+                Ok(Node {
+                    part: inner.part,
+                    span: start..self.scanner.position,
+                })
+            }
+            Some(first) if first.is_ascii_digit() || first == '.' => {
+                let part = Part::Number(self.scanner.quantity()?);
+                Ok(Node {
+                    part,
+                    span: start..self.scanner.position,
+                })
+            }
+            Some(first) if first.is_alphabetic() || first == '_' => {
+                let name = self.scanner.word().to_owned();
+                let part = if self.scanner.eat('(') {
+                    Part::Call(name, self.arguments()?)
+                } else {
+                    Part::Name(name)
+                };
+                Ok(Node {
+                    part,
+                    span: start..self.scanner.position,
+                })
+            }
+            _ => Err(self.scanner.unexpected("a number, a name or `(`")),
+        }
+    }
+
+    fn arguments(&mut self) -> Result<Vec<Node>, Mistake> {
+        let mut arguments = vec![self.sum()?];
+        while self.scanner.eat(',') {
+            arguments.push(self.sum()?);
+        }
+        self.scanner.expect(')')?;
+        Ok(arguments)
+    }
+
+    fn operator(&mut self, choices: &[(char, Operator)]) -> Option<Operator> {
+        choices
+            .iter()
+            .find(|(symbol, _)| self.scanner.eat(*symbol))
+            .map(|(_, operator)| *operator)
+    }
+}
+
+fn binary(operator: Operator, left: Node, right: Node) -> Node {
+    let span = left.span.start..right.span.end;
+    Node {
+        part: Part::Binary(operator, Box::new([left, right])),
+        span,
+    }
+}

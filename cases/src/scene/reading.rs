@@ -1,0 +1,178 @@
+//! From the effective text to a scene.
+
+use super::checks;
+use super::diagnosis::Fault;
+use super::entry::Entry;
+use super::method::Method;
+use super::output::{Measure, Output};
+use super::parameters::Context;
+use super::quantity::{DENSITY, LENGTH, NUMBER, SURFACE_TENSION, TIME, VELOCITY};
+use super::section::Section;
+use super::source::syntax;
+use super::{Domain, EquationOfState, Liquid, Scene, body};
+use std::path::Path;
+use toml_edit::{Document, Item};
+
+const KEYS: [&str; 12] = [
+    "format",
+    "title",
+    "paper",
+    "parameters",
+    "liquid",
+    "body",
+    "particles",
+    "run",
+    "domain",
+    "method",
+    "output",
+    "measure",
+];
+
+/// Reads a whole scene, and the doubts about it.
+pub(super) fn scene(name: &str, text: &str) -> Result<(Scene, Vec<Fault>), Fault> {
+    let document = Document::parse(text).map_err(|error| syntax(&error))?;
+    let root = document.as_table();
+    // A scene of another format is told so before anything else in it is doubted.
+    check_format(root)?;
+    let context = Context::new(text, root.get("parameters").and_then(Item::as_table_like))?;
+    let table = Section::new(Entry::root(&context, root), &KEYS)?;
+    if let Some(entry) = table
+        .optional("parameters")
+        .filter(|_| !root["parameters"].is_table_like())
+    {
+        return Err(entry.wrong_type("a table", "[parameters]"));
+    }
+
+    let stem = Path::new(name)
+        .file_stem()
+        .map_or(name.to_owned(), |stem| stem.to_string_lossy().into_owned());
+    let title = table.read_or("title", stem, |entry| entry.text().map(str::to_owned))?;
+    let paper = table.read_or("paper", false, |entry| entry.flag())?;
+    let (liquid, sound_speed) =
+        liquid(table.required("liquid", "[liquid] with density = \"1000 kg/m3\"")?)?;
+    let domain = table.read_or(
+        "domain",
+        Domain {
+            origin: 0.0,
+            period: None,
+        },
+        domain,
+    )?;
+    let bodies = table
+        .required(
+            "body",
+            "[[body]] with shape = { sphere = { radius = \"2.5 um\" } }",
+        )?
+        .elements("[[body]]")?
+        .into_iter()
+        .map(|entry| body::read(entry, domain.origin))
+        .collect::<Result<Vec<_>, _>>()?;
+    context.check_finite()?;
+    let (bodies, shapes): (Vec<_>, Vec<_>) = bodies.into_iter().unzip();
+    let particles = Section::new(
+        table.required("particles", "[particles] with size = \"50 nm\"")?,
+        &["size", "settle"],
+    )?;
+    let size = particles.required("size", "size = \"50 nm\"")?;
+    let run = Section::new(
+        table.required("run", "[run] with until = \"3 us\"")?,
+        &["until", "steps"],
+    )?;
+    let base = if paper {
+        Method::paper()
+    } else {
+        Method::defaults()
+    };
+
+    let scene = Scene {
+        title,
+        paper,
+        text: text.to_owned(),
+        source_name: name.to_owned(),
+        parameters: context.parameters(),
+        liquid,
+        particle_size: size.positive(LENGTH)?,
+        settle: particles.read_or("settle", None, |entry| entry.not_negative(NUMBER).map(Some))?,
+        until: run.required("until", "until = \"3 us\"")?.positive(TIME)?,
+        steps: run.read_or("steps", None, |entry| entry.count(1).map(Some))?,
+        method: table.read_or("method", base.clone(), |entry| Method::read(entry, base))?,
+        output: table.read_or("output", Output::defaults(), Output::read)?,
+        measures: table.read_or("measure", Vec::new(), |entry| {
+            entry
+                .elements("[[measure]]")?
+                .into_iter()
+                .map(Measure::read)
+                .collect()
+        })?,
+        bodies,
+        domain,
+        warnings: Vec::new(),
+    };
+    let places = checks::Places {
+        shapes: &shapes,
+        size: &size,
+        sound_speed,
+    };
+    let doubts = checks::check(&scene, &places)?;
+    Ok((scene, doubts))
+}
+
+fn check_format(root: &toml_edit::Table) -> Result<(), Fault> {
+    let help = "this version reads scenes of format 1: write `format = 1` at the top";
+    match root.get("format") {
+        None => Err(Fault::new(0..0, "missing key `format` in the scene", help)
+            .labelled("`format` is missing here")),
+        Some(item) if item.as_integer() == Some(1) => Ok(()),
+        Some(item) => {
+            let found = item.as_value().map_or("a table".to_owned(), |value| {
+                value.to_string().trim().to_owned()
+            });
+            Err(Fault::new(
+                item.span().unwrap_or_default(),
+                format!("the scene's format is {found}, not 1"),
+                help,
+            ))
+        }
+    }
+}
+
+fn liquid(entry: Entry<'_>) -> Result<(Liquid, Entry<'_>), Fault> {
+    let whole = entry.clone();
+    let table = Section::new(
+        entry,
+        &[
+            "density",
+            "surface_tension",
+            "sound_speed",
+            "equation_of_state",
+        ],
+    )?;
+    let sound_speed = table.optional("sound_speed");
+    let given = match &sound_speed {
+        Some(entry) if !entry.is_auto() => Some(entry.positive(VELOCITY)?),
+        _ => None,
+    };
+    let liquid = Liquid {
+        density: table
+            .required("density", "density = \"1000 kg/m3\"")?
+            .positive(DENSITY)?,
+        surface_tension: table.read_or("surface_tension", 0.0, |entry| {
+            entry.not_negative(SURFACE_TENSION)
+        })?,
+        sound_speed: given,
+        equation_of_state: table.read_or(
+            "equation_of_state",
+            EquationOfState::Linear,
+            |entry| entry.choice(),
+        )?,
+    };
+    Ok((liquid, sound_speed.unwrap_or(whole)))
+}
+
+fn domain(entry: Entry<'_>) -> Result<Domain, Fault> {
+    let table = Section::new(entry, &["origin", "period"])?;
+    Ok(Domain {
+        origin: table.read_or("origin", 0.0, |entry| entry.not_negative(LENGTH))?,
+        period: table.read_or("period", None, |entry| entry.positive(LENGTH).map(Some))?,
+    })
+}

@@ -1,0 +1,101 @@
+use super::{changed, mistake, mistake_at, shaped};
+
+#[test]
+fn shapes_are_not_empty() {
+    let cases = [
+        (
+            "{ cylinder = { radius = \"1 um\", bottom = \"1 um\", top = \"0 um\" } }",
+            "\"0 um\"",
+            "`top` is 0 m: it must lie above `bottom`",
+        ),
+        (
+            "{ annulus = { inner = \"-2 um\", outer = \"-1 um\", bottom = \"0 um\", top = \"1 um\" } }",
+            "",
+            "is empty",
+        ),
+        (
+            "{ intersection = [{ sphere = { radius = \"1 um\" } }, { sphere = { radius = \"1 um\", centre = \"5 um\" } }] }",
+            "",
+            "the intersection is empty",
+        ),
+        (
+            "{ difference = [{ sphere = { radius = \"1 um\" } }, { sphere = { radius = \"2 um\" } }] }",
+            "",
+            "the difference is empty",
+        ),
+        ("{ union = [] }", "", "the union is empty"),
+        (
+            "{ polygon = { points = [[\"1 um\", \"0 m\"], [\"2 um\", \"0 m\"]] } }",
+            "",
+            "at least three points",
+        ),
+        (
+            "{ polygon = { points = [[\"1 um\", \"0 m\"], [\"2 um\"], [\"3 um\", \"0 m\"]] } }",
+            "[\"2 um\"]",
+            "two coordinates",
+        ),
+        (
+            "{ polygon = { points = [[\"1 um\", \"0 m\"], [\"2 um\", \"1 um\"], [\"2 um\", \"0 um\"], [\"1 um\", \"1 um\"]] } }",
+            "",
+            "crosses itself",
+        ),
+        (
+            "{ expression = { inside = \"r + 1 m\", bounds = [\"0 m\", \"1 um\", \"0 m\", \"1 um\"] } }",
+            "",
+            "the expression is empty",
+        ),
+        (
+            "{ expression = { inside = \"r\", bounds = [\"0 m\", \"1 um\", \"1 um\", \"1 um\"] } }",
+            "",
+            "the bounds are empty",
+        ),
+        (
+            "{ expression = { inside = \"sqrt(-r)\", bounds = [\"0 m\", \"1 um\", \"0 m\", \"1 um\"] } }",
+            "\"sqrt(-r)\"",
+            "is NaN at r =",
+        ),
+        (
+            "{ torus = { major = \"-1 um\", minor = \"2 um\" } }",
+            "\"-1 um\"",
+            "must not be negative",
+        ),
+    ];
+    for (shape, blamed, fragment) in cases {
+        let diagnosis = mistake(&shaped(shape), &[], &[fragment]);
+        assert_eq!(diagnosis.line(), Some(22), "{diagnosis}");
+        assert!(
+            blamed.is_empty() || diagnosis.blamed() == Some(blamed),
+            "{:?}",
+            diagnosis.blamed()
+        );
+    }
+}
+
+#[test]
+fn fields_are_finite_and_bodies_apart() {
+    let text = changed(
+        "z = \"amplitude*capillary_velocity*z/radius\"",
+        "z = \"capillary_velocity*sqrt(z/radius)\"",
+    );
+    mistake_at(
+        &text,
+        23,
+        "\"capillary_velocity*sqrt(z/radius)\"",
+        &["`body.0.velocity.z` is NaN at r = "],
+    );
+    let second =
+        "[[body]]\nshape = { sphere = { radius = \"radius\", centre = \"4 um\" } }\n[particles]";
+    mistake_at(
+        &changed("[particles]", second),
+        26,
+        "{ sphere = { radius = \"radius\", centre = \"4 um\" } }",
+        &["overlaps another one at r = ", "union"],
+    );
+    let touching = second.replace("4 um", "5 um");
+    assert_eq!(
+        super::read(&changed("[particles]", &touching)).bodies.len(),
+        2
+    );
+    let periodic = changed("[particles]", "[domain]\nperiod = \"4 um\"\n[particles]");
+    mistake(&periodic, &[], &["more than the period of 4e-6 m"]);
+}

@@ -1,0 +1,224 @@
+use super::{changed, mistake_at, shaped};
+use crate::scene::read;
+use std::path::Path;
+
+#[test]
+fn the_text_must_be_toml_of_format_1() {
+    mistake_at(
+        &changed("theta = 0.5", "theta = 0.5 0.6"),
+        34,
+        "0.5 0.6",
+        &["no TOML", "must be quoted"],
+    );
+    mistake_at(
+        &changed("theta = 0.5", "theta = 0.5\ntheta = 0.6"),
+        35,
+        "theta",
+        &["no TOML", "duplicate key"],
+    );
+    mistake_at(
+        &changed("format = 1", "format = 2"),
+        1,
+        "2",
+        &["format is 2, not 1", "write `format = 1`"],
+    );
+    mistake_at(
+        &changed("format = 1\n", ""),
+        1,
+        "",
+        &["missing key `format`"],
+    );
+    let missing = read(Path::new("no/such.toml"), &[]).expect_err("no such file");
+    assert!(missing.to_string().contains("no/such.toml") && missing.line().is_none());
+}
+
+#[test]
+fn keys_are_known_and_there() {
+    mistake_at(
+        &changed("theta =", "thetta ="),
+        34,
+        "thetta",
+        &["unknown key `thetta` in `method`", "did you mean `theta`?"],
+    );
+    mistake_at(
+        &changed("[run]", "[rum]"),
+        29,
+        "rum",
+        &["unknown key `rum` in the scene", "did you mean `run`?"],
+    );
+    mistake_at(
+        &shaped("{ sphre = { radius = \"radius\" } }"),
+        22,
+        "sphre",
+        &["unknown key `sphre`", "did you mean `sphere`?"],
+    );
+    mistake_at(
+        &shaped("{ sphere = { centre = \"0 m\" } }"),
+        22,
+        "{ centre = \"0 m\" }",
+        &[
+            "missing key `radius` in `body.0.shape.sphere`",
+            "add: radius =",
+        ],
+    );
+    mistake_at(
+        &changed("until = ", "steps = 3 # "),
+        29,
+        "[run]",
+        &["missing key `until` in `run`"],
+    );
+    mistake_at(
+        &changed("laplace-pressure", "laplace"),
+        40,
+        "laplace",
+        &["known keys: `laplace-pressure`"],
+    );
+    let two = "{ sphere = { radius = \"1 um\" }, torus = { major = \"2 um\", minor = \"1 um\" } }";
+    mistake_at(&shaped(two), 22, two, &["more than one kind"]);
+    mistake_at(&shaped("{}"), 22, "{}", &["no kind", "`sphere`"]);
+}
+
+#[test]
+fn values_have_their_type() {
+    mistake_at(
+        &changed("frames = 10", "frames = true"),
+        37,
+        "true",
+        &["`frames` expects a number without unit, not true or false"],
+    );
+    mistake_at(
+        &changed("frames = 10", "frames = 2.5"),
+        37,
+        "2.5",
+        &["whole number"],
+    );
+    mistake_at(
+        &changed("frames = 10", "picture = \"yes\""),
+        37,
+        "\"yes\"",
+        &["`picture` expects true or false, not a text"],
+    );
+    mistake_at(
+        &shaped("\"sphere\""),
+        22,
+        "\"sphere\"",
+        &["expects a table with one key, not a text"],
+    );
+    mistake_at(
+        &changed("mode = 2", "mode = true"),
+        11,
+        "true",
+        &["the parameter `mode` is neither"],
+    );
+    mistake_at(
+        &changed("[output]\nframes = 10", "[output]\nframes = [1]"),
+        37,
+        "[1]",
+        &["not a list"],
+    );
+    mistake_at(
+        &changed("scheme = \"harmonic-mean\"", "scheme = \"harmonic\""),
+        33,
+        "\"harmonic\"",
+        &["`scheme` knows no `harmonic`", "`parshikov`"],
+    );
+}
+
+#[test]
+fn quantities_have_their_unit() {
+    let text = changed("\"2.5 um\"", "\"2.5 kg\"");
+    mistake_at(
+        &text,
+        6,
+        "\"2.5 kg\"",
+        &["`2.5 kg` is a mass; `radius` expects a length such as \"2.5 um\""],
+    );
+    let text = changed("size = \"particle_size\"", "size = \"2.5 kg\"");
+    mistake_at(
+        &text,
+        26,
+        "\"2.5 kg\"",
+        &["`2.5 kg` is a mass; `size` expects a length such as \"2.5 um\""],
+    );
+    let text = changed("particle_size = \"71.4 nm\"", "particle_size = \"71.4 nN\"");
+    mistake_at(
+        &text,
+        7,
+        "\"71.4 nN\"",
+        &["`71.4 nN` is a quantity in kg m s^-2; `size` expects a length"],
+    );
+    let text = changed("size = \"particle_size\"", "size = 2.5");
+    mistake_at(
+        &text,
+        26,
+        "2.5",
+        &["`2.5` is a number without unit", "add a unit: \"2.5 um\""],
+    );
+    let text = changed(
+        "z = \"amplitude*capillary_velocity*z/radius\"",
+        "z = \"amplitude*z/radius\"",
+    );
+    mistake_at(
+        &text,
+        23,
+        "\"amplitude*z/radius\"",
+        &["is a number without unit; `z` expects a velocity"],
+    );
+    mistake_at(
+        &changed("theta = 0.5", "theta = \"0.5 m\""),
+        34,
+        "\"0.5 m\"",
+        &["is a length; `theta` expects a number"],
+    );
+}
+
+#[test]
+fn values_stay_in_their_limits() {
+    let method = [
+        ("theta", "0.3"),
+        ("theta", "1.6"),
+        ("axis_factor", "0.9"),
+        ("cfl", "0"),
+        ("cfl", "1.1"),
+        ("cfl", "inf"),
+    ];
+    for (key, value) in method {
+        mistake_at(
+            &changed("theta = 0.5", &format!("{key} = {value}")),
+            34,
+            value,
+            &[&format!("`{key}` is {value}")],
+        );
+    }
+    mistake_at(
+        &changed("\"71.4 nm\"", "\"-71.4 nm\""),
+        7,
+        "\"-71.4 nm\"",
+        &["`size` is -7.14e-8 m: it must be positive"],
+    );
+    mistake_at(
+        &changed("density = \"density\"", "density = \"0 kg/m3\""),
+        16,
+        "\"0 kg/m3\"",
+        &["`density` is 0 kg m^-3: it must be positive"],
+    );
+    mistake_at(
+        &changed("\"71.4 nm\"", "\"1 um\""),
+        7,
+        "\"1 um\"",
+        &["fewer than 10 (5) fit across", "4.9995e-7 m or less"],
+    );
+    mistake_at(
+        &changed("mode = 2", "mode = 1"),
+        11,
+        "1",
+        &["`mode` is 1", "whole number from 2"],
+    );
+    mistake_at(&changed("mode = 2", "s = 1"), 11, "s", &["`s` is a unit"]);
+    mistake_at(
+        &changed("mode = 2", "drop-mode = 1"),
+        11,
+        "drop-mode",
+        &["cannot name a parameter"],
+    );
+}

@@ -1,0 +1,76 @@
+//! The pressure at the start: every drop begins at the mean Laplace pressure of its surface.
+
+use crate::components::components;
+use crate::equation_of_state::{EquationOfState, Packing};
+use crate::fields;
+use crate::surface::BOUNDARY;
+use meniscus_engine::pipeline::{Fault, Stage, World};
+use meniscus_engine::store::{Read, Update, Write};
+use meniscus_engine::wiring::Wiring;
+
+/// Sets density, and reference pressure if there is one, so that a drop neither rings nor expands at
+/// the start. The mean over boundary particles is weighted by their mass, that is by surface area.
+pub struct InitialPressure<E> {
+    equation: E,
+    packing: Packing,
+    with_reference: bool,
+    position: [Read<f64>; 2],
+    size: Read<f64>,
+    mass: Read<f64>,
+    surface: Read<u32>,
+    laplace_pressure: Read<f64>,
+    density: Update<f64>,
+    reference: Write<f64>,
+}
+
+impl<E: EquationOfState> InitialPressure<E> {
+    /// Runs once, after the curvature has been computed for the particles at rest.
+    pub fn new(wiring: &mut Wiring, equation: E, packing: Packing, with_reference: bool) -> Self {
+        wiring.stage("initial-pressure");
+        InitialPressure {
+            equation,
+            packing,
+            with_reference,
+            position: [wiring.read(&fields::RADIUS), wiring.read(&fields::AXIAL)],
+            size: wiring.read(&fields::SIZE),
+            mass: wiring.read(&fields::MASS),
+            surface: wiring.read(&fields::SURFACE),
+            laplace_pressure: wiring.read(&fields::LAPLACE_PRESSURE),
+            density: wiring.update(&fields::DENSITY),
+            reference: wiring.write(&fields::REFERENCE_PRESSURE),
+        }
+    }
+}
+
+impl<E: EquationOfState> Stage for InitialPressure<E> {
+    fn name(&self) -> &'static str {
+        "initial-pressure"
+    }
+
+    fn run(&mut self, world: &mut World) -> Result<(), Fault> {
+        let store = &world.store;
+        let [r, z] = self.position.map(|field| store.read(field));
+        let columns = [&r[..], &z[..], &store.read(self.size)];
+        let component = components(&world.neighbours, &self.packing, columns, &world.arena);
+        let (mass, surface) = (store.read(self.mass), store.read(self.surface));
+        let laplace = store.read(self.laplace_pressure);
+        let sums = world.arena.alloc_slice_fill_copy(r.len(), [0.0f64; 2]);
+        for (i, &root) in component.iter().enumerate() {
+            if surface[i] == BOUNDARY {
+                sums[root as usize][0] += mass[i] * laplace[i];
+                sums[root as usize][1] += mass[i];
+            }
+        }
+        let (mut density, mut reference) = (store.write(self.density), store.write(self.reference));
+        for (i, &root) in component.iter().enumerate() {
+            let [upper, lower] = sums[root as usize];
+            let pressure = if lower > 0.0 { upper / lower } else { 0.0 };
+            // The linear relation about the present density; exact for the linear equation of state.
+            let sound_speed = self.equation.sound_speed(density[i]);
+            density[i] +=
+                (pressure - self.equation.pressure(density[i])) / (sound_speed * sound_speed);
+            reference[i] = if self.with_reference { pressure } else { 0.0 };
+        }
+        Ok(())
+    }
+}

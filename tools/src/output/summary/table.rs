@@ -1,0 +1,162 @@
+//! The summary of a run as people read it.
+
+use std::io::{self, Write};
+
+use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
+
+use super::{Measure, StageCost, Status, Summary};
+use crate::output::units::{duration, grouped, quantity, significant};
+
+/// Widest line of the printed tables.
+const TABLE_WIDTH: u16 = 100;
+
+/// Prints a summary for people: what was measured against what is exact, what
+/// the run cost, and which stage took how much of it.
+///
+/// # Errors
+/// When `out` cannot be written.
+pub fn print_table(summary: &Summary, out: &mut impl Write) -> io::Result<()> {
+    let status = match summary.status {
+        None | Some(Status::Done) => "",
+        Some(Status::Failed) => "  FAILED",
+        Some(Status::Interrupted) => "  interrupted",
+    };
+    writeln!(out, "{}{status}", summary.scene)?;
+    if let Some(failure) = &summary.failure {
+        writeln!(out, "{failure}")?;
+    }
+    writeln!(
+        out,
+        "{} simulated, {} steps, {} particles, {} thread{}",
+        quantity(summary.time, "s", 4),
+        grouped(summary.steps),
+        grouped(summary.particles),
+        summary.threads,
+        if summary.threads == 1 { "" } else { "s" },
+    )?;
+    if !summary.measures.is_empty() {
+        writeln!(out, "{}", measures_table(&summary.measures))?;
+    }
+    writeln!(
+        out,
+        "cost per particle and step: {} elapsed, {} of processor time",
+        quantity(summary.ns_per_particle_step * 1e-9, "s", 3),
+        quantity(summary.core_ns_per_particle_step * 1e-9, "s", 3),
+    )?;
+    writeln!(
+        out,
+        "whole run: {} elapsed, {} of processor time",
+        duration(summary.wall_seconds),
+        duration(summary.cpu_seconds),
+    )?;
+    if !summary.stages.is_empty() {
+        writeln!(out, "{}", stages_table(summary))?;
+    }
+    let kept = &summary.conservation;
+    writeln!(
+        out,
+        "change of energy {}, axial momentum {}, mass {}",
+        relative(kept.energy),
+        relative(kept.momentum_z),
+        relative(kept.mass),
+    )
+}
+
+fn measures_table(measures: &[Measure]) -> Table {
+    let mut table = table(["measure", "measured", "exact", "error"]);
+    for measure in measures {
+        let reference = measure
+            .reference
+            .map(|value| quantity(value, &measure.unit, 4));
+        table.add_row([
+            measure.name.clone(),
+            quantity(measure.value, &measure.unit, 4),
+            reference.unwrap_or_default(),
+            measure.relative_error.map(relative).unwrap_or_default(),
+        ]);
+    }
+    align(table)
+}
+
+fn stages_table(summary: &Summary) -> Table {
+    let mut table = table([
+        "stage",
+        "calls",
+        "elapsed",
+        "per particle and step",
+        "share",
+    ]);
+    let mut stages: Vec<&StageCost> = summary.stages.iter().collect();
+    stages.sort_by(|a, b| b.seconds.total_cmp(&a.seconds));
+    let particle_steps = (summary.particles as f64 * summary.steps as f64).max(1.0);
+    for stage in stages {
+        let bar = "█".repeat((stage.share.clamp(0.0, 1.0) * 20.0).round() as usize);
+        table.add_row([
+            stage.name.clone(),
+            grouped(stage.calls),
+            duration(stage.seconds),
+            quantity(stage.seconds / particle_steps, "s", 3),
+            format!("{:5.1} % {bar:<20}", stage.share * 100.0),
+        ]);
+    }
+    align(table)
+}
+
+fn table<const COLUMNS: usize>(header: [&str; COLUMNS]) -> Table {
+    let mut table = Table::new();
+    table
+        .load_style(presets::UTF8_BORDERS_ONLY)
+        .set_content_arrangement(ContentArrangement::Dynamic)
+        .set_width(TABLE_WIDTH)
+        .set_header(header);
+    table
+}
+
+fn align(mut table: Table) -> Table {
+    for column in table.column_iter_mut().skip(1) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    table
+}
+
+/// A relative deviation: in percent, or with an exponent where it is tiny.
+fn relative(error: f64) -> String {
+    if error != 0.0 && error.abs() < 1e-5 {
+        significant(error, 2)
+    } else {
+        format!("{} %", significant(error * 100.0, 3))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::output::summary::tests::example;
+
+    #[test]
+    fn the_table_says_it_all_within_a_hundred_columns() {
+        let mut summary = example();
+        summary.scene = "a film of a rather long name ".repeat(2);
+        let mut out = Vec::new();
+        print_table(&summary, &mut out).unwrap();
+        let text = String::from_utf8(out).unwrap();
+        for part in [
+            "31.42 µs",
+            "31.25 µs",
+            "0.544 %",
+            "46.3 ns",
+            "70.0 %",
+            "3.0e-17",
+            "-0.120 %",
+        ] {
+            assert!(text.contains(part), "{part} is not in\n{text}");
+        }
+        assert!(
+            text.lines().all(|line| line.chars().count() <= 100),
+            "{text}"
+        );
+        if std::env::var_os("MENISCUS_SHOW").is_some() {
+            println!("{text}");
+        }
+    }
+}
