@@ -23,11 +23,7 @@ impl Bins {
         let extent = |values: &[f64]| {
             let least = values.iter().copied().fold(f64::INFINITY, f64::min);
             let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            if values.is_empty() {
-                (0.0, 0.0)
-            } else {
-                (least, most - least)
-            }
+            if values.is_empty() { (0.0, 0.0) } else { (least, most - least) }
         };
         let (r_least, height) = extent(r);
         let (z_least, width) = extent(z);
@@ -102,22 +98,14 @@ mod tests {
 
     #[test]
     fn every_point_within_reach_is_visited_once() {
-        let points: Vec<(f64, f64)> = (0..500)
-            .map(|i| {
-                (
-                    (i as f64 * 0.618).fract() * 3.0,
-                    (i as f64 * 0.414).fract() * 5.0,
-                )
-            })
-            .collect();
+        let points: Vec<(f64, f64)> =
+            (0..500).map(|i| ((i as f64 * 0.618).fract() * 3.0, (i as f64 * 0.414).fract() * 5.0)).collect();
         let (r, z): (Vec<f64>, Vec<f64>) = points.iter().copied().unzip();
         let mut bins = Bins::default();
         bins.build(&r, &z, 0.3);
         for &(pr, pz) in &points {
             let mut found = Vec::new();
-            bins.near(pr, pz, 0.7, |range| {
-                found.extend_from_slice(&bins.members()[range])
-            });
+            bins.near(pr, pz, 0.7, |range| found.extend_from_slice(&bins.members()[range]));
             let mut unique = found.clone();
             unique.sort_unstable();
             unique.dedup();

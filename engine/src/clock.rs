@@ -44,9 +44,7 @@ impl Clock {
 
     /// States that the present step may not be longer than `step_size` seconds.
     pub fn limit(&mut self, reason: &'static str, step_size: f64) {
-        let smaller = self
-            .bound
-            .is_none_or(|b| step_size < b.step_size || step_size.is_nan());
+        let smaller = self.bound.is_none_or(|b| step_size < b.step_size || step_size.is_nan());
         if smaller {
             self.bound = Some(Bound { reason, step_size });
         }
@@ -62,15 +60,8 @@ impl Clock {
     /// # Panics
     /// If no stage of the pipeline stated a bound, which is a mistake in the pipeline.
     pub fn advance(&mut self) {
-        let bound = self
-            .bound
-            .take()
-            .expect("a stage of the pipeline bounds the time step");
-        match self
-            .counts
-            .iter_mut()
-            .find(|(reason, _)| *reason == bound.reason)
-        {
+        let bound = self.bound.take().expect("a stage of the pipeline bounds the time step");
+        match self.counts.iter_mut().find(|(reason, _)| *reason == bound.reason) {
             Some((_, count)) => *count += 1,
             None => self.counts.push((bound.reason, 1)),
         }
@@ -95,10 +86,7 @@ impl Clock {
 
     /// The time in seconds that was noted under a name; the present time if none was.
     pub fn mark(&self, name: &str) -> f64 {
-        self.marks
-            .iter()
-            .find(|(known, _)| *known == name)
-            .map_or(self.time, |(_, mark)| *mark)
+        self.marks.iter().find(|(known, _)| *known == name).map_or(self.time, |(_, mark)| *mark)
     }
 
     /// All marks.

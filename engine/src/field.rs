@@ -131,16 +131,7 @@ impl<T: Element> Field<T> {
         role: Role,
         about: &'static str,
     ) -> Self {
-        let description = Description {
-            name,
-            symbol,
-            unit,
-            role,
-            about,
-        };
-        Field {
-            description,
-            element: std::marker::PhantomData,
-        }
+        let description = Description { name, symbol, unit, role, about };
+        Field { description, element: std::marker::PhantomData }
     }
 }

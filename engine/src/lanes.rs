@@ -20,6 +20,11 @@ pub struct Lanes(f64x8);
 #[repr(C, align(64))]
 pub struct Row(pub [f64; WIDTH]);
 
+/// Four more slots of one particle, half a cache line.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C, align(32))]
+pub struct HalfRow(pub [f64; WIDTH / 2]);
+
 impl Default for Row {
     fn default() -> Self {
         Row([0.0; WIDTH])
@@ -52,9 +57,7 @@ impl Lanes {
     /// If the slice holds fewer than eight values.
     #[inline(always)]
     pub fn load(values: &[f64]) -> Self {
-        Lanes(f64x8::new(
-            values[..WIDTH].try_into().expect("eight values"),
-        ))
+        Lanes(f64x8::new(values[..WIDTH].try_into().expect("eight values")))
     }
 
     /// self * factor + addend.
@@ -67,6 +70,35 @@ impl Lanes {
     #[inline(always)]
     pub fn neg_mul_add(self, factor: Lanes, addend: Lanes) -> Self {
         Lanes(self.0.mul_neg_add(factor.0, addend.0))
+    }
+
+    /// The exponential function.
+    #[inline(always)]
+    pub fn exp(self) -> Self {
+        Lanes(self.0.exp())
+    }
+
+    /// Writes as many values as `values` takes, eight at most.
+    #[inline(always)]
+    pub fn store(self, values: &mut [f64]) {
+        let all = self.to_array();
+        match values.first_chunk_mut::<WIDTH>() {
+            Some(eight) => *eight = all,
+            None => values.copy_from_slice(&all[..values.len()]),
+        }
+    }
+
+    /// Reads up to eight values; lanes beyond the slice's end hold `fill`.
+    #[inline(always)]
+    pub fn load_or(values: &[f64], fill: f64) -> Self {
+        match values.first_chunk::<WIDTH>() {
+            Some(eight) => Lanes(f64x8::new(*eight)),
+            None => {
+                let mut all = [fill; WIDTH];
+                all[..values.len()].copy_from_slice(values);
+                Lanes(f64x8::new(all))
+            }
+        }
     }
 
     /// Square root.
@@ -99,14 +131,24 @@ impl Lanes {
         Lanes(self.0.simd_gt(threshold.0).select(yes.0, no.0))
     }
 
+    /// Whether every lane is above zero; false for a NaN.
+    #[inline(always)]
+    pub fn all_positive(self) -> bool {
+        self.0.simd_gt(f64x8::ZERO).all()
+    }
+
     /// The first `count` lanes, zero in the others.
     #[inline(always)]
     pub fn keep_first(self, count: usize) -> Self {
         const LANE: f64x8 = f64x8::new([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
-        Lanes(
-            LANE.simd_lt(f64x8::splat(count as f64))
-                .select(self.0, f64x8::ZERO),
-        )
+        Lanes(LANE.simd_lt(f64x8::splat(count as f64)).select(self.0, f64x8::ZERO))
+    }
+
+    /// `value` where 0 < self < 1, zero elsewhere and where self is not a number.
+    #[inline(always)]
+    pub fn within_unit(self, value: Lanes) -> Self {
+        let below_one = self.0.simd_lt(f64x8::ONE).select(value.0, f64x8::ZERO);
+        Lanes(self.0.simd_gt(f64x8::ZERO).select(below_one, f64x8::ZERO))
     }
 
     /// Sum over the lanes in a fixed order: ((0+1)+(2+3)) + ((4+5)+(6+7)).
@@ -120,6 +162,12 @@ impl Lanes {
     #[inline(always)]
     pub fn transpose(rows: [&Row; WIDTH]) -> [Lanes; WIDTH] {
         transpose(rows)
+    }
+
+    /// The same for half rows.
+    #[inline(always)]
+    pub fn transpose_half(rows: [&HalfRow; WIDTH]) -> [Lanes; WIDTH / 2] {
+        transpose_half(rows)
     }
 }
 
@@ -159,6 +207,36 @@ fn transpose(rows: [&Row; WIDTH]) -> [Lanes; WIDTH] {
         ];
         std::mem::transmute::<[__m512d; WIDTH], [Lanes; WIDTH]>(columns)
     }
+}
+
+#[cfg(target_feature = "avx512f")]
+#[inline(always)]
+fn transpose_half(rows: [&HalfRow; WIDTH]) -> [Lanes; WIDTH / 2] {
+    use std::arch::x86_64::*;
+    // SAFETY: every half row is 32 bytes, 32-byte aligned and borrowed for the loads; __m512d and
+    // f64x8 are both 64-byte vectors of eight f64; avx512f is enabled at build time.
+    unsafe {
+        let load = |k: usize| _mm256_load_pd(rows[k].0.as_ptr());
+        let both = |i: usize, j: usize| _mm512_insertf64x4::<1>(_mm512_castpd256_pd512(load(i)), load(j));
+        let (p0, p1, p2, p3) = (both(0, 2), both(1, 3), both(4, 6), both(5, 7));
+        let (a0, a1) = (_mm512_unpacklo_pd(p0, p1), _mm512_unpackhi_pd(p0, p1));
+        let (a2, a3) = (_mm512_unpacklo_pd(p2, p3), _mm512_unpackhi_pd(p2, p3));
+        const EVEN: i32 = 0x88;
+        const ODD: i32 = 0xdd;
+        let columns: [__m512d; WIDTH / 2] = [
+            _mm512_shuffle_f64x2::<EVEN>(a0, a2),
+            _mm512_shuffle_f64x2::<EVEN>(a1, a3),
+            _mm512_shuffle_f64x2::<ODD>(a0, a2),
+            _mm512_shuffle_f64x2::<ODD>(a1, a3),
+        ];
+        std::mem::transmute::<[__m512d; WIDTH / 2], [Lanes; WIDTH / 2]>(columns)
+    }
+}
+
+#[cfg(not(target_feature = "avx512f"))]
+#[inline(always)]
+fn transpose_half(rows: [&HalfRow; WIDTH]) -> [Lanes; WIDTH / 2] {
+    std::array::from_fn(|slot| Lanes(f64x8::new(std::array::from_fn(|lane| rows[lane].0[slot]))))
 }
 
 #[cfg(not(target_feature = "avx512f"))]
@@ -214,6 +292,17 @@ mod tests {
         let rows: [Row; WIDTH] =
             std::array::from_fn(|row| Row(std::array::from_fn(|slot| (10 * row + slot) as f64)));
         let slots = Lanes::transpose(std::array::from_fn(|k| &rows[k]));
+        for (slot, lanes) in slots.iter().enumerate() {
+            let expected: [f64; WIDTH] = std::array::from_fn(|row| (10 * row + slot) as f64);
+            assert_eq!(lanes.to_array(), expected);
+        }
+    }
+
+    #[test]
+    fn transpose_of_half_rows() {
+        let rows: [HalfRow; WIDTH] =
+            std::array::from_fn(|row| HalfRow(std::array::from_fn(|slot| (10 * row + slot) as f64)));
+        let slots = Lanes::transpose_half(std::array::from_fn(|k| &rows[k]));
         for (slot, lanes) in slots.iter().enumerate() {
             let expected: [f64; WIDTH] = std::array::from_fn(|row| (10 * row + slot) as f64);
             assert_eq!(lanes.to_array(), expected);

@@ -39,31 +39,16 @@ impl Domain {
             let source = source as u32;
             let near_axis = r + self.origin < reach;
             if near_axis {
-                images.push(Image {
-                    source,
-                    mirrored: true,
-                    shift: 0.0,
-                });
+                images.push(Image { source, mirrored: true, shift: 0.0 });
             }
             let Some((bottom, length)) = self.period else {
                 continue;
             };
-            for (near, shift) in [
-                (z - bottom < reach, length),
-                (bottom + length - z < reach, -length),
-            ] {
+            for (near, shift) in [(z - bottom < reach, length), (bottom + length - z < reach, -length)] {
                 if near {
-                    images.push(Image {
-                        source,
-                        mirrored: false,
-                        shift,
-                    });
+                    images.push(Image { source, mirrored: false, shift });
                     if near_axis {
-                        images.push(Image {
-                            source,
-                            mirrored: true,
-                            shift,
-                        });
+                        images.push(Image { source, mirrored: true, shift });
                     }
                 }
             }
@@ -79,10 +64,7 @@ impl Domain {
     /// Position of an image from that of its particle.
     #[inline]
     pub fn place(&self, image: &Image, r: f64, z: f64) -> (f64, f64) {
-        (
-            if image.mirrored { self.mirror(r) } else { r },
-            z + image.shift,
-        )
+        (if image.mirrored { self.mirror(r) } else { r }, z + image.shift)
     }
 }
 
@@ -121,12 +103,7 @@ impl NeighbourList {
     }
 
     fn fill(&mut self, len: usize, largest: f64, skin: f64) {
-        let search = Search {
-            bins: &self.bins,
-            points: &self.points,
-            largest,
-            skin,
-        };
+        let search = Search { bins: &self.bins, points: &self.points, largest, skin };
         self.counts.resize(len, 0);
         parallel::for_chunks(len, &mut self.counts[..], |start, counts| {
             for (k, count) in counts.iter_mut().enumerate() {
@@ -180,9 +157,7 @@ impl NeighbourList {
     #[inline]
     pub fn of(&self, particle: usize) -> impl Iterator<Item = usize> + '_ {
         let entries = &self.block(particle / WIDTH)[..self.counts[particle] as usize];
-        entries
-            .iter()
-            .map(move |entry| entry[particle % WIDTH] as usize)
+        entries.iter().map(move |entry| entry[particle % WIDTH] as usize)
     }
 
     /// The particle behind a number that may be an image's.
@@ -262,12 +237,8 @@ mod tests {
     use super::*;
 
     fn points(count: usize) -> (Vec<f64>, Vec<f64>) {
-        let r = (0..count)
-            .map(|i| (i as f64 * 0.754_877_666).fract())
-            .collect();
-        let z = (0..count)
-            .map(|i| (i as f64 * 0.569_840_291).fract())
-            .collect();
+        let r = (0..count).map(|i| (i as f64 * 0.754_877_666).fract()).collect();
+        let z = (0..count).map(|i| (i as f64 * 0.569_840_291).fract()).collect();
         (r, z)
     }
 
@@ -275,10 +246,7 @@ mod tests {
     fn the_list_holds_exactly_the_pairs_within_reach() {
         let (r, z) = points(700);
         let reach: Vec<f64> = (0..700).map(|i| 0.02 + 0.02 * ((i % 5) as f64)).collect();
-        let domain = Domain {
-            origin: 0.0,
-            period: Some((0.0, 1.0)),
-        };
+        let domain = Domain { origin: 0.0, period: Some((0.0, 1.0)) };
         let skin = 0.01;
         let mut list = NeighbourList::default();
         list.build(&r, &z, &reach, skin, &domain);
@@ -288,11 +256,8 @@ mod tests {
             let mut expected = Vec::new();
             for b in 0..700 + list.images().len() {
                 let s = list.source(b);
-                let (br, bz) = if b < 700 {
-                    (r[b], z[b])
-                } else {
-                    domain.place(&list.images()[b - 700], r[s], z[s])
-                };
+                let (br, bz) =
+                    if b < 700 { (r[b], z[b]) } else { domain.place(&list.images()[b - 700], r[s], z[s]) };
                 if b != a && (br - r[a]).hypot(bz - z[a]) < reach[a] + reach[s] + skin {
                     expected.push(b);
                 }
@@ -306,10 +271,7 @@ mod tests {
         let (r, z) = points(5000);
         let reach = vec![0.015; 5000];
         let build = |threads: usize| {
-            let pool = rayon::ThreadPoolBuilder::new()
-                .num_threads(threads)
-                .build()
-                .unwrap();
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| {
                 let mut list = NeighbourList::default();
                 list.build(&r, &z, &reach, 0.003, &Domain::default());

@@ -10,7 +10,7 @@
 //! ```
 //! The pass owns loop, loads and stores; terms own the physics. Terms are fused at compile time.
 
-use crate::lanes::{Lanes, Row, WIDTH};
+use crate::lanes::{HalfRow, Lanes, Row, WIDTH};
 use crate::neighbours::NeighbourList;
 use crate::parallel;
 use crate::pipeline::{Fault, Stage, World};
@@ -25,34 +25,28 @@ pub const MOST_OUTPUTS: usize = 24;
 /// The packed rows of all particles, then of their images, then some to fill the last block.
 #[derive(Clone, Debug, Default)]
 pub struct RowTable {
-    rows: Vec<Row>,
+    /// One row a particle.
+    pub first: Vec<Row>,
+    /// Half a row more where the record needs it, else empty.
+    pub second: Vec<HalfRow>,
 }
 
 impl RowTable {
-    /// Makes room for `particles` and `images` with `rows_each` rows; new rows are zero.
-    pub fn resize(&mut self, particles: usize, images: usize, rows_each: usize) {
-        self.rows
-            .resize((particles + images + WIDTH) * rows_each, Row::default());
-    }
-
-    /// All rows; those of one particle lie next to each other.
-    pub fn rows(&self) -> &[Row] {
-        &self.rows
-    }
-
-    /// All rows, to pack them.
-    pub fn rows_mut(&mut self) -> &mut [Row] {
-        &mut self.rows
+    /// Makes room for `particles` and `images`; new rows are zero.
+    pub fn resize(&mut self, particles: usize, images: usize, with_second: bool) {
+        let count = particles + images + WIDTH;
+        self.first.resize(count, Row::default());
+        self.second.resize(if with_second { count } else { 0 }, HalfRow::default());
     }
 }
 
 /// What a pass knows of a particle: named values that stand in fixed slots of its rows.
 pub trait Record: Copy {
-    /// Rows per particle, 1 or 2.
-    const ROWS: usize;
+    /// Whether it needs the second, half row.
+    const SECOND: bool;
 
-    /// Names the slots. `second` is zero where `ROWS` is 1.
-    fn from_slots(first: [Lanes; WIDTH], second: [Lanes; WIDTH]) -> Self;
+    /// Names the slots. `second` is zero where it isn't needed.
+    fn from_slots(first: [Lanes; WIDTH], second: [Lanes; WIDTH / 2]) -> Self;
 }
 
 /// What is evaluated once per pair for all terms: distance, kernel, weight, Riemann state.
@@ -60,8 +54,14 @@ pub trait Interaction<R: Record>: Send + Sync {
     /// The evaluated pair.
     type Pair;
 
+    /// What is computed once per particle, before its neighbours.
+    type Own;
+
+    /// Prepares eight particles.
+    fn prepare(&self, a: &R) -> Self::Own;
+
     /// Evaluates eight pairs. Must be finite for a particle with itself.
-    fn evaluate(&self, a: &R, b: &R) -> Self::Pair;
+    fn evaluate(&self, a: &R, own: &Self::Own, b: &R) -> Self::Pair;
 }
 
 /// One sum over the neighbours of a particle.
@@ -141,19 +141,14 @@ pub struct PairPass<R, I, T> {
 impl<R: Record, I: Interaction<R>, T: PairTerm<R, I::Pair>> PairPass<R, I, T> {
     /// A pass under the given name.
     pub fn new(name: &'static str, interaction: I, terms: T) -> Self {
-        PairPass {
-            name,
-            interaction,
-            terms,
-            record: PhantomData,
-        }
+        PairPass { name, interaction, terms, record: PhantomData }
     }
 
     /// Walks all pairs; `outputs` are the columns of the terms in their order.
     pub fn traverse(
         &self,
         list: &NeighbourList,
-        rows: &[Row],
+        rows: &RowTable,
         outputs: ArrayVec<&mut [f64], MOST_OUTPUTS>,
     ) {
         parallel::for_chunks(list.len(), outputs, |start, mut outputs| {
@@ -161,22 +156,34 @@ impl<R: Record, I: Interaction<R>, T: PairTerm<R, I::Pair>> PairPass<R, I, T> {
             let mut results = [Lanes::ZERO; MOST_OUTPUTS];
             for offset in (0..len).step_by(WIDTH) {
                 self.block(list, rows, start + offset, &mut results);
-                let filled = WIDTH.min(len - offset);
                 for (column, result) in outputs.iter_mut().zip(&results) {
-                    column[offset..offset + filled].copy_from_slice(&result.to_array()[..filled]);
+                    result.store(&mut column[offset..len.min(offset + WIDTH)]);
                 }
             }
         });
     }
 
     #[inline(always)]
-    fn block(&self, list: &NeighbourList, rows: &[Row], first: usize, results: &mut [Lanes]) {
+    fn add(&self, a: &R, own: &I::Own, b: &R, sum: &mut T::Sum) {
+        let pair = self.interaction.evaluate(a, own, b);
+        self.terms.add(a, b, &pair, sum);
+    }
+
+    #[inline(always)]
+    fn block(&self, list: &NeighbourList, rows: &RowTable, first: usize, results: &mut [Lanes]) {
         let a = load::<R>(rows, std::array::from_fn(|lane| (first + lane) as u32));
+        let own = self.interaction.prepare(&a);
         let mut sum = self.terms.zero();
-        for entry in list.block(first / WIDTH) {
-            let b = load::<R>(rows, *entry);
-            let pair = self.interaction.evaluate(&a, &b);
-            self.terms.add(&a, &b, &pair, &mut sum);
+        if let Some((entry, others)) = list.block(first / WIDTH).split_first() {
+            // The next neighbours are loaded before the present ones are summed: loads and transposes
+            // then overlap with the long chain of root and divisions.
+            let mut b = load::<R>(rows, *entry);
+            for entry in others {
+                let next = load::<R>(rows, *entry);
+                self.add(&a, &own, &b, &mut sum);
+                b = next;
+            }
+            self.add(&a, &own, &b, &mut sum);
         }
         self.terms.finish(&a, sum, &mut results[..T::OUTPUTS]);
     }
@@ -184,13 +191,13 @@ impl<R: Record, I: Interaction<R>, T: PairTerm<R, I::Pair>> PairPass<R, I, T> {
 
 /// Loads the rows of eight particles.
 #[inline(always)]
-pub fn load<R: Record>(rows: &[Row], particles: [u32; WIDTH]) -> R {
-    let row = |lane: usize, k: usize| &rows[particles[lane] as usize * R::ROWS + k];
-    let first = Lanes::transpose(std::array::from_fn(|lane| row(lane, 0)));
-    let second = if R::ROWS > 1 {
-        Lanes::transpose(std::array::from_fn(|lane| row(lane, 1)))
+pub fn load<R: Record>(rows: &RowTable, particles: [u32; WIDTH]) -> R {
+    let row = |lane: usize| &rows.first[particles[lane] as usize];
+    let first = Lanes::transpose(std::array::from_fn(row));
+    let second = if R::SECOND {
+        Lanes::transpose_half(std::array::from_fn(|lane| &rows.second[particles[lane] as usize]))
     } else {
-        [Lanes::ZERO; WIDTH]
+        [Lanes::ZERO; WIDTH / 2]
     };
     R::from_slots(first, second)
 }
@@ -208,12 +215,10 @@ where
     fn run(&mut self, world: &mut World) -> Result<(), Fault> {
         let mut handles = ArrayVec::new();
         self.terms.outputs(&mut handles);
-        let mut columns: ArrayVec<AtomicRefMut<[f64]>, MOST_OUTPUTS> = handles
-            .into_iter()
-            .map(|handle| world.store.write(handle))
-            .collect();
+        let mut columns: ArrayVec<AtomicRefMut<[f64]>, MOST_OUTPUTS> =
+            handles.into_iter().map(|handle| world.store.write(handle)).collect();
         let outputs = columns.iter_mut().map(|column| &mut **column).collect();
-        self.traverse(&world.neighbours, world.rows.rows(), outputs);
+        self.traverse(&world.neighbours, &world.rows, outputs);
         Ok(())
     }
 }

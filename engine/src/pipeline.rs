@@ -90,17 +90,9 @@ pub struct Pipeline {
 impl Pipeline {
     /// A pipeline that runs `start` once before the first step of a new run, then `stages` every step.
     pub fn new(start: Vec<Box<dyn Stage>>, stages: Vec<Box<dyn Stage>>) -> Self {
-        let cost = |stage: &Box<dyn Stage>| Cost {
-            stage: stage.name(),
-            calls: 0,
-            time: Duration::ZERO,
-        };
+        let cost = |stage: &Box<dyn Stage>| Cost { stage: stage.name(), calls: 0, time: Duration::ZERO };
         let costs = stages.iter().map(cost).collect();
-        Pipeline {
-            start,
-            stages,
-            costs,
-        }
+        Pipeline { start, stages, costs }
     }
 
     /// The cost of every stage, in their order.

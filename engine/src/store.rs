@@ -59,15 +59,8 @@ mutable!(Add);
 
 impl Store {
     pub(crate) fn new(len: usize, columns: Vec<(Description, Values)>) -> Self {
-        let columns = columns
-            .into_iter()
-            .map(|(d, v)| (d, AtomicRefCell::new(v)))
-            .collect();
-        Store {
-            len,
-            columns,
-            scratch: Vec::new(),
-        }
+        let columns = columns.into_iter().map(|(d, v)| (d, AtomicRefCell::new(v))).collect();
+        Store { len, columns, scratch: Vec::new() }
     }
 
     /// Number of particles.
@@ -95,19 +88,13 @@ impl Store {
     pub fn write<T: Element>(&self, handle: impl Mutable<T>) -> AtomicRefMut<'_, [T]> {
         let column = self.columns[handle.column()].1.borrow_mut();
         AtomicRefMut::map(column, |values| {
-            T::of_mut(values)
-                .expect("handles carry the column's type")
-                .as_mut_slice()
+            T::of_mut(values).expect("handles carry the column's type").as_mut_slice()
         })
     }
 
     fn borrow<T: Element>(&self, column: usize) -> AtomicRef<'_, [T]> {
         let column = self.columns[column].1.borrow();
-        AtomicRef::map(column, |values| {
-            T::of(values)
-                .expect("handles carry the column's type")
-                .as_slice()
-        })
+        AtomicRef::map(column, |values| T::of(values).expect("handles carry the column's type").as_slice())
     }
 
     /// A column by name, if this store has it and it holds type `T`: for diagnostics and export.
@@ -132,23 +119,12 @@ impl Store {
 
     /// Every column with its description, in the order of first use.
     pub fn columns(&self) -> impl Iterator<Item = (Description, AtomicRef<'_, Values>)> {
-        self.columns
-            .iter()
-            .map(|(description, values)| (*description, values.borrow()))
+        self.columns.iter().map(|(description, values)| (*description, values.borrow()))
     }
 
     /// Bytes that the columns take per particle.
     pub fn bytes_per_particle(&self) -> usize {
-        self.columns
-            .iter()
-            .map(|(_, v)| {
-                if matches!(*v.borrow(), Values::F64(_)) {
-                    8
-                } else {
-                    4
-                }
-            })
-            .sum()
+        self.columns.iter().map(|(_, v)| if matches!(*v.borrow(), Values::F64(_)) { 8 } else { 4 }).sum()
     }
 
     /// Moves every State value to its new place: particle `order[k]` becomes particle k.
@@ -183,14 +159,10 @@ impl Store {
 
 fn gather<T: Element>(values: &mut Vec<T>, scratch: &mut Vec<T>, order: &[u32]) {
     let source = &values[..];
-    crate::parallel::for_chunks(
-        order.len(),
-        (&mut scratch[..], order),
-        |_, (target, order)| {
-            for (target, &from) in target.iter_mut().zip(order) {
-                *target = source[from as usize];
-            }
-        },
-    );
+    crate::parallel::for_chunks(order.len(), (&mut scratch[..], order), |_, (target, order)| {
+        for (target, &from) in target.iter_mut().zip(order) {
+            *target = source[from as usize];
+        }
+    });
     std::mem::swap(values, scratch);
 }

@@ -83,21 +83,11 @@ impl Wiring {
 
     fn log<T: Element>(&mut self, field: &'static Field<T>, access: Access) -> usize {
         let description = field.description;
-        self.uses.push(Use {
-            stage: self.stage,
-            field: description,
-            access,
-        });
-        let known = self
-            .entries
-            .iter()
-            .position(|e| e.description.name == description.name);
+        self.uses.push(Use { stage: self.stage, field: description, access });
+        let known = self.entries.iter().position(|e| e.description.name == description.name);
         known.unwrap_or_else(|| {
             let allocate = |len| T::into_values(vec![T::default(); len]);
-            self.entries.push(Entry {
-                description,
-                allocate,
-            });
+            self.entries.push(Entry { description, allocate });
             self.entries.len() - 1
         })
     }
@@ -114,18 +104,10 @@ impl Wiring {
     /// One sentence per mistake.
     pub fn check(&self) -> Result<(), WiringError> {
         let mut sentences = Vec::new();
-        for entry in self
-            .entries
-            .iter()
-            .filter(|e| e.description.role == Role::Derived)
-        {
+        for entry in self.entries.iter().filter(|e| e.description.role == Role::Derived) {
             self.check_derived(entry.description.name, &mut sentences);
         }
-        if sentences.is_empty() {
-            Ok(())
-        } else {
-            Err(WiringError { sentences })
-        }
+        if sentences.is_empty() { Ok(()) } else { Err(WiringError { sentences }) }
     }
 
     fn check_derived(&self, name: &str, sentences: &mut Vec<String>) {
@@ -157,21 +139,13 @@ impl Wiring {
     }
 
     fn unwritten(&self, used: &Use) -> String {
-        let verb = if used.access == Access::Add {
-            "adds to"
-        } else {
-            "reads"
-        };
+        let verb = if used.access == Access::Add { "adds to" } else { "reads" };
         let name = used.field.name;
-        let later = self
-            .uses
-            .iter()
-            .find(|u| u.field.name == name && u.access == Access::Write);
+        let later = self.uses.iter().find(|u| u.field.name == name && u.access == Access::Write);
         let remedy = match later {
-            Some(writer) => format!(
-                "stage `{}` writes it only later in the step: move it forward",
-                writer.stage
-            ),
+            Some(writer) => {
+                format!("stage `{}` writes it only later in the step: move it forward", writer.stage)
+            }
             None => "add the stage that writes it".to_string(),
         };
         format!(
@@ -182,11 +156,7 @@ impl Wiring {
 
     /// A store with exactly the columns that the stages asked for, all zero.
     pub fn allocate(&self, len: usize) -> Store {
-        let columns = self
-            .entries
-            .iter()
-            .map(|e| (e.description, (e.allocate)(len)))
-            .collect();
+        let columns = self.entries.iter().map(|e| (e.description, (e.allocate)(len))).collect();
         Store::new(len, columns)
     }
 }

@@ -44,12 +44,7 @@ pub struct BoundaryDetect {
 
 impl BoundaryDetect {
     /// Detects every `interval` steps; `packing` gives the support of a pair.
-    pub fn new(
-        wiring: &mut Wiring,
-        packing: Packing,
-        interval: u64,
-        guard: Option<ColourGuard>,
-    ) -> Self {
+    pub fn new(wiring: &mut Wiring, packing: Packing, interval: u64, guard: Option<ColourGuard>) -> Self {
         wiring.stage("boundary-detect");
         let moment = [&fields::MOMENT_RR, &fields::MOMENT_RZ, &fields::MOMENT_ZZ];
         BoundaryDetect {
@@ -57,10 +52,7 @@ impl BoundaryDetect {
             interval,
             guard,
             position: [wiring.read(&fields::RADIUS), wiring.read(&fields::AXIAL)],
-            listed: [
-                wiring.read(&fields::LIST_RADIUS),
-                wiring.read(&fields::LIST_AXIAL),
-            ],
+            listed: [wiring.read(&fields::LIST_RADIUS), wiring.read(&fields::LIST_AXIAL)],
             size: wiring.read(&fields::SIZE),
             moment: moment.map(|field| wiring.read(field)),
             surface: wiring.write(&fields::SURFACE),
@@ -73,12 +65,8 @@ impl BoundaryDetect {
         let [rr, rz, zz] = self.moment.map(|field| world.store.read(field));
         self.candidates.clear();
         for i in 0..rr.len() {
-            let moment = Moment {
-                rr: rr[i],
-                rz: rz[i],
-                zz: zz[i],
-            };
-            if moment.smallest_eigenvalue() < EIGENVALUE {
+            let moment = Moment { rr: rr[i], rz: rz[i], zz: zz[i] };
+            if !moment.eigenvalues_at_least(EIGENVALUE) {
                 self.candidates.push(i as u32);
             }
         }
@@ -93,68 +81,32 @@ impl BoundaryDetect {
         let [list_r, list_z] = self.listed.map(|field| world.store.read(field));
         let size = world.store.read(self.size);
         let support = guard.support * self.packing.largest_size;
-        let area = world
-            .arena
-            .alloc_slice_fill_with(size.len(), |i| size[i] * size[i]);
-        let source = Particles {
-            r: &r,
-            z: &z,
-            area,
-            list_r: &list_r,
-            list_z: &list_z,
-            support,
-        };
-        let mut field = guard
-            .field
-            .lock()
-            .expect("no stage panics while it holds the colour field");
-        field.refresh(
-            &source,
-            world.neighbours.builds(),
-            guard.slack,
-            &self.packing.domain,
-        );
+        let area = world.arena.alloc_slice_fill_with(size.len(), |i| size[i] * size[i]);
+        let source = Particles { r: &r, z: &z, area, list_r: &list_r, list_z: &list_z, support };
+        let mut field = guard.field.lock().expect("no stage panics while it holds the colour field");
+        field.refresh(&source, world.neighbours.builds(), guard.slack, &self.packing.domain);
         let (r, z, size, candidates) = (&r[..], &z[..], &size[..], &self.candidates[..]);
         let (field, largest) = (&*field, self.packing.largest_size);
-        parallel::for_chunks_of(
-            16,
-            candidates.len(),
-            &mut self.accepted[..],
-            |start, accepted| {
-                for (k, accepted) in accepted.iter_mut().enumerate() {
-                    let i = candidates[start + k] as usize;
-                    let support = guard.support * size[i].min(largest);
-                    *accepted = field.at(r[i], z[i], support).value <= guard.highest;
-                }
-            },
-        );
+        parallel::for_chunks_of(16, candidates.len(), &mut self.accepted[..], |start, accepted| {
+            for (k, accepted) in accepted.iter_mut().enumerate() {
+                let i = candidates[start + k] as usize;
+                let support = guard.support * size[i].min(largest);
+                *accepted = field.at(r[i], z[i], support).value <= guard.highest;
+            }
+        });
     }
 
     fn mark(&self, world: &World) {
         let mut surface = world.store.write(self.surface);
         let [r, z] = self.position.map(|field| world.store.read(field));
         let size = world.store.read(self.size);
-        let Packing {
-            domain,
-            theta,
-            largest_size,
-        } = self.packing;
+        let Packing { domain, theta, largest_size } = self.packing;
         surface.fill(INSIDE);
-        for (&candidate, _) in self
-            .candidates
-            .iter()
-            .zip(&self.accepted)
-            .filter(|(_, a)| **a)
-        {
+        for (&candidate, _) in self.candidates.iter().zip(&self.accepted).filter(|(_, a)| **a) {
             surface[candidate as usize] = BOUNDARY;
         }
         let list = &world.neighbours;
-        for (&candidate, _) in self
-            .candidates
-            .iter()
-            .zip(&self.accepted)
-            .filter(|(_, a)| **a)
-        {
+        for (&candidate, _) in self.candidates.iter().zip(&self.accepted).filter(|(_, a)| **a) {
             let a = candidate as usize;
             for number in list.of(a) {
                 let b = list.source(number);

@@ -33,14 +33,7 @@ impl ColourField {
     /// Takes up the particles' present positions (m) and areas (m2). `list_build` counts the builds of
     /// the neighbour list, between which no particle moves farther than `slack`.
     pub fn refresh(&mut self, source: &Particles, list_build: u64, slack: f64, domain: &Domain) {
-        let Particles {
-            r,
-            z,
-            area,
-            list_r,
-            list_z,
-            support,
-        } = *source;
+        let Particles { r, z, area, list_r, list_z, support } = *source;
         if self.list_build != list_build || self.r.is_empty() {
             self.list_build = list_build;
             self.slack = slack;
@@ -52,8 +45,7 @@ impl ColourField {
             };
             let (image_r, image_z): (Vec<f64>, Vec<f64>) = self.images.iter().map(place).unzip();
             let all = |own: &[f64], image: Vec<f64>| [own, &image].concat();
-            self.bins
-                .build(&all(list_r, image_r), &all(list_z, image_z), 0.25 * support);
+            self.bins.build(&all(list_r, image_r), &all(list_z, image_z), 0.25 * support);
             let padded = count + self.images.len() + WIDTH;
             for column in [&mut self.r, &mut self.z, &mut self.area] {
                 column.clear();
@@ -89,11 +81,7 @@ impl ColourField {
             for start in range.clone().step_by(WIDTH) {
                 let left = range.end - start;
                 let area = Lanes::load(&self.area[start..]);
-                let area = if left < WIDTH {
-                    area.keep_first(left)
-                } else {
-                    area
-                };
+                let area = if left < WIDTH { area.keep_first(left) } else { area };
                 let x = (lr - Lanes::load(&self.r[start..])) * linverse;
                 let y = (lz - Lanes::load(&self.z[start..])) * linverse;
                 add_kernel(x, y, area, &mut sums);
@@ -137,10 +125,7 @@ fn add_kernel(x: Lanes, y: Lanes, area: Lanes, sums: &mut [Lanes; 6]) {
     let square = inside * inside;
     let sixth = square * square * square * area;
     let seventh = sixth * inside;
-    let shape = number(32.0)
-        .mul_add(q, number(25.0))
-        .mul_add(q, number(8.0))
-        .mul_add(q, Lanes::ONE);
+    let shape = number(32.0).mul_add(q, number(25.0)).mul_add(q, number(8.0)).mul_add(q, Lanes::ONE);
     let phi = number(16.0).mul_add(q, number(7.0)).mul_add(q, Lanes::ONE) * seventh;
     let psi = number(528.0) * number(6.0).mul_add(q, Lanes::ONE) * sixth;
     let diagonal = number(-22.0) * phi;
@@ -166,23 +151,8 @@ mod tests {
         }
         let area = vec![0.01; r.len()];
         let mut field = ColourField::default();
-        let source = Particles {
-            r: &r,
-            z: &z,
-            area: &area,
-            list_r: &r,
-            list_z: &z,
-            support: 0.8,
-        };
-        field.refresh(
-            &source,
-            1,
-            0.0,
-            &Domain {
-                origin: 0.0,
-                period: None,
-            },
-        );
+        let source = Particles { r: &r, z: &z, area: &area, list_r: &r, list_z: &z, support: 0.8 };
+        field.refresh(&source, 1, 0.0, &Domain { origin: 0.0, period: None });
         field
     }
 
@@ -206,17 +176,8 @@ mod tests {
         let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-7 * (1.0 + a.abs()), "{a} {b}");
         close(here.gradient[0], (east.value - west.value) / (2.0 * step));
         close(here.gradient[1], (north.value - south.value) / (2.0 * step));
-        close(
-            here.second[0],
-            (east.gradient[0] - west.gradient[0]) / (2.0 * step),
-        );
-        close(
-            here.second[1],
-            (north.gradient[0] - south.gradient[0]) / (2.0 * step),
-        );
-        close(
-            here.second[2],
-            (north.gradient[1] - south.gradient[1]) / (2.0 * step),
-        );
+        close(here.second[0], (east.gradient[0] - west.gradient[0]) / (2.0 * step));
+        close(here.second[1], (north.gradient[0] - south.gradient[0]) / (2.0 * step));
+        close(here.second[2], (north.gradient[1] - south.gradient[1]) / (2.0 * step));
     }
 }

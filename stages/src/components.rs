@@ -12,11 +12,7 @@ pub fn components<'a>(
     [r, z, size]: [&[f64]; 3],
     arena: &'a Bump,
 ) -> &'a mut [u32] {
-    let Packing {
-        domain,
-        theta,
-        largest_size,
-    } = *packing;
+    let Packing { domain, theta, largest_size } = *packing;
     let parent = arena.alloc_slice_fill_with(r.len(), |i| i as u32);
     for a in 0..r.len() {
         for number in list.of(a) {

@@ -1,8 +1,8 @@
 //! The contact of two particles: distance, kernel gradient, weight and the Riemann star state, evaluated
 //! once per pair for all terms.
 
-use crate::geometry::Geometry;
-use crate::record::{FlowState, GradientState};
+use crate::geometry::{AxisState, Geometry};
+use crate::record::{DeformationState, FlowState};
 use meniscus_engine::lanes::Lanes;
 use meniscus_engine::pairs::Interaction;
 use std::f64::consts::PI;
@@ -14,10 +14,10 @@ pub struct Contact {
     pub dr: Lanes,
     /// z_b - z_a, m.
     pub dz: Lanes,
-    /// g_ab/|d|: times (dr, dz) it is the kernel gradient, 1/m4.
-    pub kernel: Lanes,
-    /// w_ab of the scheme, m2.
-    pub weight: Lanes,
+    /// V_b g_ab/|d|, 1/m2: the plain weight of a neighbour.
+    pub area_kernel: Lanes,
+    /// w_ab g_ab/|d|, 1/m2: the scheme's weight of a neighbour.
+    pub weight_kernel: Lanes,
     /// (U* - U_a) . e_ab times the distance, m2/s.
     pub rise: Lanes,
     /// The part of P* that the pressures give, Pa.
@@ -30,14 +30,7 @@ pub struct Contact {
 pub trait Reconstruction<R>: Copy + Send + Sync {
     /// Half-steps from a and b towards the contact along d, times the distance, and the jump that
     /// P* feels, times the distance, all in m2/s. `jump` is (U_b - U_a) . d.
-    fn reconstruct(
-        &self,
-        a: &R,
-        b: &R,
-        d: (Lanes, Lanes),
-        jump: Lanes,
-        inverse_distance: Lanes,
-    ) -> Rises;
+    fn reconstruct(&self, a: &R, b: &R, d: (Lanes, Lanes), jump: Lanes, inverse_distance: Lanes) -> Rises;
 }
 
 /// What a reconstruction gives, all times the distance (m2/s).
@@ -58,11 +51,7 @@ pub struct FirstOrder;
 impl<R> Reconstruction<R> for FirstOrder {
     #[inline(always)]
     fn reconstruct(&self, _: &R, _: &R, _: (Lanes, Lanes), jump: Lanes, _: Lanes) -> Rises {
-        Rises {
-            left: Lanes::ZERO,
-            right: jump,
-            jump,
-        }
+        Rises { left: Lanes::ZERO, right: jump, jump }
     }
 }
 
@@ -75,7 +64,7 @@ pub struct Limited {
     pub sharpness: f64,
 }
 
-impl<R: GradientState> Reconstruction<R> for Limited {
+impl<R: DeformationState> Reconstruction<R> for Limited {
     #[inline(always)]
     fn reconstruct(
         &self,
@@ -85,11 +74,11 @@ impl<R: GradientState> Reconstruction<R> for Limited {
         jump: Lanes,
         inverse_distance: Lanes,
     ) -> Rises {
+        let (dr_dr, dr_dz, dz_dz) = (dr * dr, dr * dz, dz * dz);
+        // d . grad U . d needs the symmetric part of the gradient alone.
         let along = |record: &R| {
-            let g = record.gradient();
-            let r = dr.mul_add(g.rr, dz * g.rz);
-            let z = dr.mul_add(g.zr, dz * g.zz);
-            r.mul_add(dr, z * dz)
+            let g = record.deformation();
+            dr_dr.mul_add(g.rr, dr_dz.mul_add(g.shear, dz_dz * g.zz))
         };
         // van Leer's mean of x = 2 grad U . d - jump and y = jump is x y / (grad U . d) where x y > 0.
         let (along_a, along_b) = (along(a), along(b));
@@ -127,13 +116,19 @@ const KERNEL: f64 = 140.0 / PI;
 
 impl<R: FlowState, G: Geometry, F: Reconstruction<R>> Interaction<R> for ContactProblem<G, F> {
     type Pair = Contact;
+    type Own = AxisState;
 
     #[inline(always)]
-    fn evaluate(&self, record_a: &R, record_b: &R) -> Contact {
+    fn prepare(&self, a: &R) -> AxisState {
+        self.geometry.prepare(a.flow())
+    }
+
+    #[inline(always)]
+    fn evaluate(&self, record_a: &R, own: &AxisState, record_b: &R) -> Contact {
         let (a, b) = (record_a.flow(), record_b.flow());
         let (dr, dz) = (b.r - a.r, b.z - a.z);
         // A particle is its own neighbour where a list is filled up: its distance must not divide by zero.
-        let square = dr.mul_add(dr, dz * dz).max(Lanes::splat(f64::MIN_POSITIVE));
+        let square = (dr * dr + dz * dz).max(Lanes::splat(f64::MIN_POSITIVE));
         let distance = square.sqrt();
         let support = a.reach + b.reach;
         let impedance = a.impedance + b.impedance;
@@ -145,29 +140,25 @@ impl<R: FlowState, G: Geometry, F: Reconstruction<R>> Interaction<R> for Contact
         let inverse_support = inverse * distance * impedance;
         let inverse_impedance = inverse * distance * support;
 
-        let inside = distance
-            .neg_mul_add(inverse_support, Lanes::ONE)
-            .max(Lanes::ZERO);
+        let inside = distance.neg_mul_add(inverse_support, Lanes::ONE).max(Lanes::ZERO);
         let inverse_square = inverse_support * inverse_support;
-        let scale =
-            Lanes::splat(0.5 * KERNEL) * (record_a.kernel_scale() + record_b.kernel_scale());
+        let scale = Lanes::splat(0.5 * KERNEL) * (record_a.kernel_scale() + record_b.kernel_scale());
         let kernel = scale * inverse_square * inverse_square * (inside * inside * inside);
 
         let (du, dw) = (b.velocity_r - a.velocity_r, b.velocity_z - a.velocity_z);
         let jump = du.mul_add(dr, dw * dz);
-        let rises =
-            self.reconstruction
-                .reconstruct(record_a, record_b, (dr, dz), jump, inverse_distance);
+        let rises = self.reconstruction.reconstruct(record_a, record_b, (dr, dz), jump, inverse_distance);
 
         // Equations (19) and (20), the velocities relative to U_a.
         let carried = a.impedance.mul_add(rises.left, b.impedance * rises.right);
         let pushed = (a.pressure - b.pressure) * distance;
         let resistance = a.impedance * b.impedance * inverse_impedance;
+        let area_kernel = b.area * kernel;
         Contact {
             dr,
             dz,
-            kernel,
-            weight: self.geometry.weight(a, b),
+            area_kernel,
+            weight_kernel: area_kernel * self.geometry.factor(own, b),
             rise: (carried + pushed) * inverse_impedance,
             pressure: b.pressure.mul_add(a.impedance, a.pressure * b.impedance) * inverse_impedance,
             dissipation: -(resistance * rises.jump * inverse_distance),

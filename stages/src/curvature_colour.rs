@@ -80,9 +80,7 @@ impl CurvatureColour {
             surface: wiring.read(&fields::SURFACE),
             pressure: wiring.update(&fields::LAPLACE_PRESSURE),
             rate: wiring.write(&fields::LAPLACE_PRESSURE_RATE),
-            slope: settings
-                .with_slope
-                .then(|| slope.map(|field| wiring.write(field))),
+            slope: settings.with_slope.then(|| slope.map(|field| wiring.write(field))),
             flagged: Vec::new(),
             found: Vec::new(),
             neighbours: SurfaceNeighbours::default(),
@@ -93,14 +91,10 @@ impl CurvatureColour {
         let [r, z] = self.position.map(|field| world.store.read(field));
         let (size, surface) = (world.store.read(self.size), world.store.read(self.surface));
         self.flagged.clear();
-        self.flagged
-            .extend((0..r.len() as u32).filter(|&i| surface[i as usize] != INSIDE));
+        self.flagged.extend((0..r.len() as u32).filter(|&i| surface[i as usize] != INSIDE));
         self.found.clear();
         self.found.resize(self.flagged.len(), Found::default());
-        let field = self
-            .field
-            .lock()
-            .expect("no stage panics while it holds the colour field");
+        let field = self.field.lock().expect("no stage panics while it holds the colour field");
         let (r, z, size, flagged) = (&r[..], &z[..], &size[..], &self.flagged[..]);
         let (field, settings, packing) = (&*field, self.settings, self.packing);
         parallel::for_chunks_of(16, flagged.len(), &mut self.found[..], |start, found| {
@@ -135,10 +129,7 @@ impl CurvatureColour {
     fn store_slope(&mut self, world: &World) {
         let Some(slope) = self.slope else { return };
         let [r, z] = self.position.map(|field| world.store.read(field));
-        let (size, pressure) = (
-            world.store.read(self.size),
-            world.store.write(self.pressure),
-        );
+        let (size, pressure) = (world.store.read(self.size), world.store.write(self.pressure));
         let [mut slope_r, mut slope_z] = slope.map(|field| world.store.write(field));
         let largest = self.packing.largest_size;
         let near = &mut self.neighbours;
@@ -146,9 +137,7 @@ impl CurvatureColour {
             picked.clear();
             picked.extend(self.flagged.iter().map(|&i| from[i as usize]));
         }
-        self.packing
-            .domain
-            .images(&near.r, &near.z, 3.0 * largest, &mut near.images);
+        self.packing.domain.images(&near.r, &near.z, 3.0 * largest, &mut near.images);
         for (points, own) in near.points.iter_mut().zip([&near.r, &near.z]) {
             points.clear();
             points.extend_from_slice(own);
@@ -159,8 +148,7 @@ impl CurvatureColour {
             near.points[0].push(image_r);
             near.points[1].push(image_z);
         }
-        near.bins
-            .build(&near.points[0], &near.points[1], 3.0 * largest);
+        near.bins.build(&near.points[0], &near.points[1], 3.0 * largest);
         let source = |member: usize| match member.checked_sub(self.flagged.len()) {
             Some(image) => near.images[image].source as usize,
             None => member,
@@ -195,13 +183,7 @@ impl CurvatureColour {
 }
 
 /// From a particle at most four Newton steps along grad c to c = 1/2; the curvature there.
-fn find(
-    field: &ColourField,
-    at: [f64; 2],
-    size: f64,
-    settings: &ColourCurvature,
-    origin: f64,
-) -> Found {
+fn find(field: &ColourField, at: [f64; 2], size: f64, settings: &ColourCurvature, origin: f64) -> Found {
     let support = settings.support * size;
     let here = field.at(at[0], at[1], support);
     let length = here.gradient[0].hypot(here.gradient[1]);
@@ -214,24 +196,14 @@ fn find(
             break;
         }
         let step = wanted.clamp(-2.0 * size, 2.0 * size) / square.sqrt();
-        foot = [
-            foot[0] + step * colour.gradient[0],
-            foot[1] + step * colour.gradient[1],
-        ];
+        foot = [foot[0] + step * colour.gradient[0], foot[1] + step * colour.gradient[1]];
         colour = field.at(foot[0], foot[1], support);
     }
     let curvature = curvature(&colour, foot[0] + origin, size);
     // Nothing smaller than a particle is resolved: the sum of both curvatures stays below 2/D.
     let most = 2.0 / size;
-    let curvature = if curvature.is_finite() {
-        curvature.clamp(-most, most)
-    } else {
-        0.0
-    };
-    Found {
-        curvature,
-        tangent: if length > 0.0 { tangent } else { [0.0; 2] },
-    }
+    let curvature = if curvature.is_finite() { curvature.clamp(-most, most) } else { 0.0 };
+    Found { curvature, tangent: if length > 0.0 { tangent } else { [0.0; 2] } }
 }
 
 /// kappa = -(c_rr c_z^2 - 2 c_r c_z c_rz + c_zz c_r^2)/|grad c|^3 - c_r/(R |grad c|), with c_rr for
@@ -240,11 +212,7 @@ fn curvature(colour: &Colour, radius: f64, size: f64) -> f64 {
     let [r, z] = colour.gradient;
     let [rr, rz, zz] = colour.second;
     let length = r.hypot(z);
-    let hoop = if radius.abs() > 1e-3 * size {
-        r / radius
-    } else {
-        rr
-    };
+    let hoop = if radius.abs() > 1e-3 * size { r / radius } else { rr };
     -(rr * z * z - 2.0 * r * z * rz + zz * r * r) / length.powi(3) - hoop / length
 }
 

@@ -31,12 +31,7 @@ pub struct CurvatureNormals {
 
 impl CurvatureNormals {
     /// Writes the Laplace pressure; surface tension in N/m.
-    pub fn new(
-        wiring: &mut Wiring,
-        packing: Packing,
-        surface_tension: f64,
-        normal_theta: f64,
-    ) -> Self {
+    pub fn new(wiring: &mut Wiring, packing: Packing, surface_tension: f64, normal_theta: f64) -> Self {
         wiring.stage("curvature");
         CurvatureNormals {
             surface_tension,
@@ -56,11 +51,7 @@ impl CurvatureNormals {
 
     /// Particles and images, sorted for a search within the wider support.
     fn gather(&mut self, r: &[f64], z: &[f64], size: &[f64]) {
-        let Packing {
-            domain,
-            largest_size,
-            ..
-        } = self.packing;
+        let Packing { domain, largest_size, .. } = self.packing;
         let support = 4.0 * self.normal_theta * largest_size;
         domain.images(r, z, support, &mut self.images);
         for (points, own) in self.points.iter_mut().zip([r, z, size]) {
@@ -102,11 +93,7 @@ impl CurvatureNormals {
             sum[1] -= weight * d[1];
         });
         let length = sum[0].hypot(sum[1]);
-        if length > 0.0 {
-            [sum[0] / length, sum[1] / length]
-        } else {
-            sum
-        }
+        if length > 0.0 { [sum[0] / length, sum[1] / length] } else { sum }
     }
 
     fn curvature(&self, a: usize, particles: usize) -> f64 {
@@ -124,11 +111,7 @@ impl CurvatureNormals {
             upper += weight * ((n_b[0] - n_a[0]) * d[0] + (n_b[1] - n_a[1]) * d[1]);
             lower += weight * (d[0] * d[0] + d[1] * d[1]);
         });
-        let planar = if lower > 0.0 {
-            2.0 * upper / lower
-        } else {
-            0.0
-        };
+        let planar = if lower > 0.0 { 2.0 * upper / lower } else { 0.0 };
         planar + n_a[0] / (self.points[0][a] + self.packing.domain.origin)
     }
 }
@@ -147,37 +130,23 @@ impl Stage for CurvatureNormals {
         // A surface particle's neighbours lie within two supports of the surface; their normals count.
         let list = &world.neighbours;
         let wanted = |a: usize| {
-            surface[a] != INSIDE
-                || list
-                    .of(a)
-                    .any(|number| surface[list.source(number)] != INSIDE)
+            surface[a] != INSIDE || list.of(a).any(|number| surface[list.source(number)] != INSIDE)
         };
         let this = &*self;
         parallel::for_chunks(r.len(), &mut normals[..], |start, normals| {
             for (k, normal) in normals.iter_mut().enumerate() {
-                *normal = if wanted(start + k) {
-                    this.normal(start + k)
-                } else {
-                    [0.0; 2]
-                };
+                *normal = if wanted(start + k) { this.normal(start + k) } else { [0.0; 2] };
             }
         });
         self.normals = normals;
         let this = &*self;
-        let (mut pressure, mut rate) = (
-            world.store.write(self.pressure),
-            world.store.write(self.rate),
-        );
+        let (mut pressure, mut rate) = (world.store.write(self.pressure), world.store.write(self.rate));
         rate.fill(0.0);
         parallel::for_chunks(r.len(), &mut pressure[..], |start, pressure| {
             for (k, pressure) in pressure.iter_mut().enumerate() {
                 let a = start + k;
                 let flagged = surface[a] != INSIDE;
-                *pressure = if flagged {
-                    this.surface_tension * this.curvature(a, r.len())
-                } else {
-                    0.0
-                };
+                *pressure = if flagged { this.surface_tension * this.curvature(a, r.len()) } else { 0.0 };
             }
         });
         Ok(())

@@ -1,7 +1,7 @@
 //! Equation of state: pressure and sound speed from the density, and the packed rows for the pair pass.
 
 use crate::fields;
-use crate::record::{Flow, Gradient, image_of_flow, image_of_gradient};
+use crate::record::{Deformation, Flow, image_of_deformation, image_of_flow};
 use meniscus_engine::neighbours::Domain;
 use meniscus_engine::parallel;
 use meniscus_engine::pipeline::{Fault, Stage, World};
@@ -46,10 +46,10 @@ pub struct Packing {
     pub largest_size: f64,
 }
 
-/// Velocity gradients and kernel scale for the second row.
+/// Rate of deformation and kernel scale for the second row.
 struct SecondRow {
-    gradient: [Read<f64>; 4],
-    rate: [Read<f64>; 4],
+    deformation: [Read<f64>; 3],
+    change: [Read<f64>; 3],
     kernel_scale: Read<f64>,
 }
 
@@ -69,85 +69,96 @@ pub struct State<E> {
 }
 
 impl<E: EquationOfState> State<E> {
-    /// Rows of one slot line, or of two with the velocity gradient predicted for the present time.
-    pub fn new(wiring: &mut Wiring, equation: E, packing: Packing, with_gradient: bool) -> Self {
+    /// With `second`, rows get a second half with the rate of deformation predicted for the present time.
+    pub fn new(wiring: &mut Wiring, equation: E, packing: Packing, second: bool) -> Self {
         wiring.stage("equation-of-state");
         State {
             equation,
             packing,
             position: [wiring.read(&fields::RADIUS), wiring.read(&fields::AXIAL)],
-            velocity: [
-                wiring.read(&fields::VELOCITY_R),
-                wiring.read(&fields::VELOCITY_Z),
-            ],
+            velocity: [wiring.read(&fields::VELOCITY_R), wiring.read(&fields::VELOCITY_Z)],
             density: wiring.read(&fields::DENSITY),
             mass: wiring.read(&fields::MASS),
             reference_pressure: wiring.read(&fields::REFERENCE_PRESSURE),
-            second: with_gradient.then(|| SecondRow::new(wiring)),
+            second: second.then(|| SecondRow::new(wiring)),
             size: wiring.write(&fields::SIZE),
             pressure: wiring.write(&fields::PRESSURE),
             sound_speed: wiring.write(&fields::SOUND_SPEED),
         }
     }
 
-    fn pack_flow(&self, world: &mut World, rows_each: usize) {
+    /// Size, pressure and sound speed of every particle.
+    fn evaluate(&self, world: &World) {
         let store = &world.store;
-        let [r, z] = self.position.map(|field| store.read(field));
-        let [u, w] = self.velocity.map(|field| store.read(field));
+        let r = store.read(self.position[0]);
         let (density, mass) = (store.read(self.density), store.read(self.mass));
         let reference = store.read(self.reference_pressure);
         let (mut size, mut pressure) = (store.write(self.size), store.write(self.pressure));
         let mut sound_speed = store.write(self.sound_speed);
-        let columns = (&mut size[..], &mut pressure[..], &mut sound_speed[..]);
-        let rows = Rows {
-            rows: &mut world.rows.rows_mut()[..r.len() * rows_each],
-            each: rows_each,
-        };
-        parallel::for_chunks(
-            r.len(),
-            (columns, rows),
-            |start, ((size, pressure, sound_speed), rows)| {
-                for (k, row) in rows.rows.chunks_exact_mut(rows_each).enumerate() {
-                    let i = start + k;
-                    let area =
-                        mass[i] / (2.0 * PI * (r[i] + self.packing.domain.origin) * density[i]);
-                    size[k] = area.sqrt();
-                    pressure[k] = self.equation.pressure(density[i]) - reference[i];
-                    sound_speed[k] = self.equation.sound_speed(density[i]);
-                    row[0] = Flow {
-                        r: r[i],
-                        z: z[i],
-                        reach: 2.0 * self.packing.theta * size[k].min(self.packing.largest_size),
-                        area,
-                        velocity_r: u[i],
-                        velocity_z: w[i],
-                        pressure: pressure[k],
-                        impedance: density[i] * sound_speed[k],
-                    }
-                    .pack();
-                }
-            },
+        let origin = self.packing.domain.origin;
+        let inputs = (&r[..], &density[..], &mass[..], &reference[..]);
+        let outputs = (&mut size[..], &mut pressure[..], &mut sound_speed[..]);
+        parallel::for_chunks(r.len(), (inputs, outputs), |_, (inputs, outputs)| {
+            let (r, density, mass, reference) = inputs;
+            let (size, pressure, sound_speed) = outputs;
+            let len = r.len();
+            let (density, mass, reference) = (&density[..len], &mass[..len], &reference[..len]);
+            let (size, pressure, sound_speed) =
+                (&mut size[..len], &mut pressure[..len], &mut sound_speed[..len]);
+            for i in 0..len {
+                size[i] = (mass[i] / (2.0 * PI * (r[i] + origin) * density[i])).sqrt();
+                pressure[i] = self.equation.pressure(density[i]) - reference[i];
+                sound_speed[i] = self.equation.sound_speed(density[i]);
+            }
+        });
+    }
+
+    fn pack_flow(&self, world: &mut World) {
+        let store = &world.store;
+        let [r, z] = self.position.map(|field| store.read(field));
+        let [u, w] = self.velocity.map(|field| store.read(field));
+        let density = store.read(self.density);
+        let (size, pressure) = (store.write(self.size), store.write(self.pressure));
+        let sound_speed = store.write(self.sound_speed);
+        let (theta, largest) = (self.packing.theta, self.packing.largest_size);
+        let columns = (
+            (&r[..], &z[..], &u[..], &w[..]),
+            (&density[..], &size[..], &pressure[..], &sound_speed[..]),
+            &mut world.rows.first[..r.len()],
         );
+        parallel::for_chunks(r.len(), columns, |_, ((r, z, u, w), state, rows)| {
+            let len = rows.len();
+            let (r, z, u, w) = (&r[..len], &z[..len], &u[..len], &w[..len]);
+            let (density, size, pressure, sound_speed) =
+                (&state.0[..len], &state.1[..len], &state.2[..len], &state.3[..len]);
+            for i in 0..len {
+                rows[i] = Flow {
+                    r: r[i],
+                    z: z[i],
+                    reach: 2.0 * theta * size[i].min(largest),
+                    area: size[i] * size[i],
+                    velocity_r: u[i],
+                    velocity_z: w[i],
+                    pressure: pressure[i],
+                    impedance: density[i] * sound_speed[i],
+                }
+                .pack();
+            }
+        });
     }
 }
 
 impl SecondRow {
     fn new(wiring: &mut Wiring) -> Self {
-        let gradient = [
-            &fields::GRADIENT_RR,
-            &fields::GRADIENT_RZ,
-            &fields::GRADIENT_ZR,
-            &fields::GRADIENT_ZZ,
-        ];
-        let rate = [
-            &fields::GRADIENT_RATE_RR,
-            &fields::GRADIENT_RATE_RZ,
-            &fields::GRADIENT_RATE_ZR,
-            &fields::GRADIENT_RATE_ZZ,
+        let deformation = [&fields::DEFORMATION_RR, &fields::DEFORMATION_SHEAR, &fields::DEFORMATION_ZZ];
+        let change = [
+            &fields::DEFORMATION_CHANGE_RR,
+            &fields::DEFORMATION_CHANGE_SHEAR,
+            &fields::DEFORMATION_CHANGE_ZZ,
         ];
         SecondRow {
-            gradient: gradient.map(|field| wiring.read(field)),
-            rate: rate.map(|field| wiring.read(field)),
+            deformation: deformation.map(|field| wiring.read(field)),
+            change: change.map(|field| wiring.read(field)),
             kernel_scale: wiring.read(&fields::KERNEL_SCALE),
         }
     }
@@ -157,22 +168,23 @@ impl SecondRow {
     fn pack(&self, world: &mut World) {
         let elapsed = world.clock.previous_step_size;
         let store = &world.store;
-        let gradient = self.gradient.map(|field| store.read(field));
-        let rate = self.rate.map(|field| store.read(field));
+        let [rr, shear, zz] = self.deformation.map(|field| store.read(field));
+        let [change_rr, change_shear, change_zz] = self.change.map(|field| store.read(field));
         let scale = store.read(self.kernel_scale);
-        let rows = Rows {
-            rows: &mut world.rows.rows_mut()[..scale.len() * 2],
-            each: 2,
-        };
-        parallel::for_chunks(scale.len(), rows, |start, rows| {
-            for (k, row) in rows.rows.chunks_exact_mut(2).enumerate() {
-                let i = start + k;
-                let now = |c: usize| gradient[c][i] + elapsed * rate[c][i];
-                row[1] = Gradient {
-                    rr: now(0),
-                    rz: now(1),
-                    zr: now(2),
-                    zz: now(3),
+        let columns = (
+            (&rr[..], &shear[..], &zz[..], &scale[..]),
+            (&change_rr[..], &change_shear[..], &change_zz[..]),
+            &mut world.rows.second[..rr.len()],
+        );
+        parallel::for_chunks(rr.len(), columns, |_, ((rr, shear, zz, scale), change, rows)| {
+            let len = rows.len();
+            let (rr, shear, zz, scale) = (&rr[..len], &shear[..len], &zz[..len], &scale[..len]);
+            let change = (&change.0[..len], &change.1[..len], &change.2[..len]);
+            for i in 0..len {
+                rows[i] = Deformation {
+                    rr: rr[i] + elapsed * change.0[i],
+                    shear: shear[i] + elapsed * change.1[i],
+                    zz: zz[i] + elapsed * change.2[i],
                     kernel_scale: scale[i],
                 }
                 .pack();
@@ -188,47 +200,19 @@ impl<E: EquationOfState> Stage for State<E> {
 
     fn run(&mut self, world: &mut World) -> Result<(), Fault> {
         let (particles, images) = (world.store.len(), world.neighbours.images().len());
-        let rows_each = if self.second.is_some() { 2 } else { 1 };
-        world.rows.resize(particles, images, rows_each);
-        self.pack_flow(world, rows_each);
+        world.rows.resize(particles, images, self.second.is_some());
+        self.evaluate(world);
+        self.pack_flow(world);
         if let Some(second) = &self.second {
             second.pack(world);
         }
-        let (sources, copies) = world.rows.rows_mut().split_at_mut(particles * rows_each);
-        for (image, copy) in world
-            .neighbours
-            .images()
-            .iter()
-            .zip(copies.chunks_exact_mut(rows_each))
-        {
-            let source = &sources[image.source as usize * rows_each..];
-            copy[0] = image_of_flow(image, &self.packing.domain, &source[0]);
-            if rows_each == 2 {
-                copy[1] = image_of_gradient(image, &source[1]);
+        for (k, image) in world.neighbours.images().iter().enumerate() {
+            let (source, copy) = (image.source as usize, particles + k);
+            world.rows.first[copy] = image_of_flow(image, &self.packing.domain, &world.rows.first[source]);
+            if self.second.is_some() {
+                world.rows.second[copy] = image_of_deformation(image, &world.rows.second[source]);
             }
         }
         Ok(())
-    }
-}
-
-/// Rows of several slot lines per particle, to be cut at particles.
-struct Rows<'a> {
-    rows: &'a mut [meniscus_engine::lanes::Row],
-    each: usize,
-}
-
-impl parallel::Split for Rows<'_> {
-    fn split(self, at: usize) -> (Self, Self) {
-        let (left, right) = self.rows.split_at_mut(at * self.each);
-        (
-            Rows {
-                rows: left,
-                each: self.each,
-            },
-            Rows {
-                rows: right,
-                each: self.each,
-            },
-        )
     }
 }

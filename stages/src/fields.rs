@@ -8,19 +8,9 @@ type Index = Field<u32>;
 // Kept from step to step.
 
 /// Which particle it is, whatever its place in memory.
-pub static IDENTITY: Index = Field::state(
-    "identity",
-    "i",
-    "1",
-    "Number of the particle, kept for life.",
-);
+pub static IDENTITY: Index = Field::state("identity", "i", "1", "Number of the particle, kept for life.");
 /// Distance from the axis less the origin of the scene.
-pub static RADIUS: Real = Field::state(
-    "radius",
-    "r",
-    "m",
-    "Distance from the axis less the scene's origin.",
-);
+pub static RADIUS: Real = Field::state("radius", "r", "m", "Distance from the axis less the scene's origin.");
 /// Position along the axis.
 pub static AXIAL: Real = Field::state("axial", "z", "m", "Position along the axis.");
 /// Radial velocity.
@@ -39,26 +29,14 @@ pub static REFERENCE_PRESSURE: Real = Field::state(
     "Pressure subtracted from the particle's own and its ghost's, the same within one drop.",
 );
 /// Radius at which the neighbour list was built.
-pub static LIST_RADIUS: Real = Field::state(
-    "list_radius",
-    "r_l",
-    "m",
-    "Radius when the neighbour list was built.",
-);
+pub static LIST_RADIUS: Real =
+    Field::state("list_radius", "r_l", "m", "Radius when the neighbour list was built.");
 /// Axial position at which the neighbour list was built.
-pub static LIST_AXIAL: Real = Field::state(
-    "list_axial",
-    "z_l",
-    "m",
-    "Axial position when the neighbour list was built.",
-);
+pub static LIST_AXIAL: Real =
+    Field::state("list_axial", "z_l", "m", "Axial position when the neighbour list was built.");
 /// Half of the support radius for which the neighbour list was built.
-pub static LIST_REACH: Real = Field::state(
-    "list_reach",
-    "h_l",
-    "m",
-    "Half support radius when the neighbour list was built.",
-);
+pub static LIST_REACH: Real =
+    Field::state("list_reach", "h_l", "m", "Half support radius when the neighbour list was built.");
 /// Factor of the kernel gradient.
 pub static KERNEL_SCALE: Real = Field::state(
     "kernel_scale",
@@ -67,12 +45,8 @@ pub static KERNEL_SCALE: Real = Field::state(
     "Factor of the kernel gradient that makes the discrete gradient exact in the mean.",
 );
 /// Where the particle lies relative to the surface.
-pub static SURFACE: Index = Field::state(
-    "surface",
-    "b",
-    "1",
-    "0 inside, 1 near the boundary, 2 at the boundary.",
-);
+pub static SURFACE: Index =
+    Field::state("surface", "b", "1", "0 inside, 1 near the boundary, 2 at the boundary.");
 /// Laplace pressure when the curvature was last computed.
 pub static LAPLACE_PRESSURE: Real = Field::state(
     "laplace_pressure",
@@ -116,82 +90,35 @@ pub static PREVIOUS_ACCELERATION_Z: Real = Field::state(
     "Acceleration of the step before without the velocity jump's part, axial component.",
 );
 /// d U_r / d r of the step before.
-pub static GRADIENT_RR: Real = Field::state(
-    "gradient_rr",
-    "dU_r/dr",
-    "1/s",
-    "Velocity gradient of the step before.",
-);
-/// d U_r / d z of the step before.
-pub static GRADIENT_RZ: Real = Field::state(
-    "gradient_rz",
-    "dU_r/dz",
-    "1/s",
-    "Velocity gradient of the step before.",
-);
-/// d U_z / d r of the step before.
-pub static GRADIENT_ZR: Real = Field::state(
-    "gradient_zr",
-    "dU_z/dr",
-    "1/s",
-    "Velocity gradient of the step before.",
-);
+pub static DEFORMATION_RR: Real =
+    Field::state("deformation_rr", "dU_r/dr", "1/s", "Rate of deformation of the step before.");
+/// d U_r / d z + d U_z / d r of the step before.
+pub static DEFORMATION_SHEAR: Real =
+    Field::state("deformation_shear", "dU_r/dz + dU_z/dr", "1/s", "Rate of deformation of the step before.");
 /// d U_z / d z of the step before.
-pub static GRADIENT_ZZ: Real = Field::state(
-    "gradient_zz",
-    "dU_z/dz",
-    "1/s",
-    "Velocity gradient of the step before.",
-);
-/// Smoothed rate of d U_r / d r.
-pub static GRADIENT_RATE_RR: Real = Field::state(
-    "gradient_rate_rr",
-    "s_rr",
-    "1/s2",
-    "Smoothed rate of the velocity gradient.",
-);
-/// Smoothed rate of d U_r / d z.
-pub static GRADIENT_RATE_RZ: Real = Field::state(
-    "gradient_rate_rz",
-    "s_rz",
-    "1/s2",
-    "Smoothed rate of the velocity gradient.",
-);
-/// Smoothed rate of d U_z / d r.
-pub static GRADIENT_RATE_ZR: Real = Field::state(
-    "gradient_rate_zr",
-    "s_zr",
-    "1/s2",
-    "Smoothed rate of the velocity gradient.",
-);
-/// Smoothed rate of d U_z / d z.
-pub static GRADIENT_RATE_ZZ: Real = Field::state(
-    "gradient_rate_zz",
-    "s_zz",
-    "1/s2",
-    "Smoothed rate of the velocity gradient.",
-);
+pub static DEFORMATION_ZZ: Real =
+    Field::state("deformation_zz", "dU_z/dz", "1/s", "Rate of deformation of the step before.");
+/// Smoothed rate of change of d U_r / d r.
+pub static DEFORMATION_CHANGE_RR: Real =
+    Field::state("deformation_change_rr", "s_rr", "1/s2", "Smoothed change of the rate of deformation.");
+/// Smoothed rate of change of the shear.
+pub static DEFORMATION_CHANGE_SHEAR: Real =
+    Field::state("deformation_change_shear", "s_rz", "1/s2", "Smoothed change of the rate of deformation.");
+/// Smoothed rate of change of d U_z / d z.
+pub static DEFORMATION_CHANGE_ZZ: Real =
+    Field::state("deformation_change_zz", "s_zz", "1/s2", "Smoothed change of the rate of deformation.");
 
 // Computed anew in every step.
 
 /// Particle size D = sqrt(V).
 pub static SIZE: Real = Field::derived("size", "D", "m", "Particle size, the root of its area.");
 /// Pressure less the reference pressure.
-pub static PRESSURE: Real = Field::derived(
-    "pressure",
-    "P",
-    "Pa",
-    "Pressure less the reference pressure.",
-);
+pub static PRESSURE: Real = Field::derived("pressure", "P", "Pa", "Pressure less the reference pressure.");
 /// Sound speed.
 pub static SOUND_SPEED: Real = Field::derived("sound_speed", "C", "m/s", "Speed of sound.");
 /// Volumetric strain rate d eps / dt.
-pub static STRAIN_RATE: Real = Field::derived(
-    "strain_rate",
-    "deps/dt",
-    "1/s",
-    "Volumetric strain rate, -(1/rho) d rho/dt.",
-);
+pub static STRAIN_RATE: Real =
+    Field::derived("strain_rate", "deps/dt", "1/s", "Volumetric strain rate, -(1/rho) d rho/dt.");
 /// Force density without the velocity jump's part, radial.
 pub static FORCE_R: Real = Field::derived(
     "force_r",
@@ -235,22 +162,13 @@ pub static SURFACE_FORCE_Z: Real = Field::derived(
     "Force density that acts through the free surface, axial component.",
 );
 /// Moment matrix L_rr.
-pub static MOMENT_RR: Real = Field::derived(
-    "moment_rr",
-    "L_rr",
-    "1",
-    "Moment matrix, one inside and less at the surface.",
-);
+pub static MOMENT_RR: Real =
+    Field::derived("moment_rr", "L_rr", "1", "Moment matrix, one inside and less at the surface.");
 /// Moment matrix L_rz.
-pub static MOMENT_RZ: Real =
-    Field::derived("moment_rz", "L_rz", "1", "Moment matrix, zero inside.");
+pub static MOMENT_RZ: Real = Field::derived("moment_rz", "L_rz", "1", "Moment matrix, zero inside.");
 /// Moment matrix L_zz.
-pub static MOMENT_ZZ: Real = Field::derived(
-    "moment_zz",
-    "L_zz",
-    "1",
-    "Moment matrix, one inside and less at the surface.",
-);
+pub static MOMENT_ZZ: Real =
+    Field::derived("moment_zz", "L_zz", "1", "Moment matrix, one inside and less at the surface.");
 /// Weight vector of the ghost particle, radial.
 pub static GHOST_WEIGHT_R: Real = Field::derived(
     "ghost_weight_r",
@@ -266,33 +184,17 @@ pub static GHOST_WEIGHT_Z: Real = Field::derived(
     "Weight vector of the particle's ghost, outward, axial component.",
 );
 /// Velocity differences summed for the gradient: radial velocity, radial direction.
-pub static VELOCITY_SUM_RR: Real = Field::derived(
-    "velocity_sum_rr",
-    "T_rr",
-    "1/s",
-    "Velocity gradient before division by L.",
-);
+pub static VELOCITY_SUM_RR: Real =
+    Field::derived("velocity_sum_rr", "T_rr", "1/s", "Velocity gradient before division by L.");
 /// Velocity differences summed for the gradient: radial velocity, axial direction.
-pub static VELOCITY_SUM_RZ: Real = Field::derived(
-    "velocity_sum_rz",
-    "T_rz",
-    "1/s",
-    "Velocity gradient before division by L.",
-);
+pub static VELOCITY_SUM_RZ: Real =
+    Field::derived("velocity_sum_rz", "T_rz", "1/s", "Velocity gradient before division by L.");
 /// Velocity differences summed for the gradient: axial velocity, radial direction.
-pub static VELOCITY_SUM_ZR: Real = Field::derived(
-    "velocity_sum_zr",
-    "T_zr",
-    "1/s",
-    "Velocity gradient before division by L.",
-);
+pub static VELOCITY_SUM_ZR: Real =
+    Field::derived("velocity_sum_zr", "T_zr", "1/s", "Velocity gradient before division by L.");
 /// Velocity differences summed for the gradient: axial velocity, axial direction.
-pub static VELOCITY_SUM_ZZ: Real = Field::derived(
-    "velocity_sum_zz",
-    "T_zz",
-    "1/s",
-    "Velocity gradient before division by L.",
-);
+pub static VELOCITY_SUM_ZZ: Real =
+    Field::derived("velocity_sum_zz", "T_zz", "1/s", "Velocity gradient before division by L.");
 /// Gradient of the particle concentration, radial.
 pub static CROWDING_R: Real = Field::derived(
     "crowding_r",

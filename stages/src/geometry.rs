@@ -3,16 +3,30 @@
 use crate::record::Flow;
 use meniscus_engine::lanes::Lanes;
 
+/// What a scheme computes once per particle: 1/R_a, and whether it is far from the axis.
+#[derive(Clone, Copy, Debug)]
+pub struct AxisState {
+    /// 1/R_a, 1/m.
+    pub inverse_radius: Lanes,
+    /// One where the harmonic-mean weights hold, zero where Parshikov's do.
+    pub far: Lanes,
+}
+
 /// How a pair is weighted and which hoop terms a particle has.
 pub trait Geometry: Copy + Send + Sync {
-    /// w_ab of method.md, sections 3 and 4, in m2.
-    fn weight(&self, a: &Flow<Lanes>, b: &Flow<Lanes>) -> Lanes;
+    /// What is computed once per particle.
+    fn prepare(&self, a: &Flow<Lanes>) -> AxisState;
+
+    /// w_ab/V_b of method.md, sections 3 and 4.
+    fn factor(&self, own: &AxisState, b: &Flow<Lanes>) -> Lanes;
 
     /// The factor of P_a in the radial force, 1/R_a or zero, in 1/m.
     fn hoop_force(&self, a: &Flow<Lanes>) -> Lanes;
 
     /// 1/R_a, the factor of U_r in the strain rate, in 1/m.
-    fn inverse_radius(&self, a: &Flow<Lanes>) -> Lanes;
+    fn inverse_radius(&self, a: &Flow<Lanes>) -> Lanes {
+        self.prepare(a).inverse_radius
+    }
 }
 
 /// The conservative harmonic-mean scheme for all particles, without images
@@ -40,69 +54,65 @@ pub struct Parshikov {
     pub origin: f64,
 }
 
-/// w_ab = (m_b/(pi rho_b)) (R_a + R_b)/(2 R_a R_b) = V_b (1 + R_b/R_a), nothing for an image.
 #[inline(always)]
-fn harmonic_mean(origin: f64, a: &Flow<Lanes>, b: &Flow<Lanes>) -> Lanes {
-    let radius_b = b.r + Lanes::splat(origin);
-    let weight = b.area * radius_b.mul_add(inverse_radius(origin, a), Lanes::ONE);
-    radius_b.select_greater(Lanes::ZERO, weight, Lanes::ZERO)
+fn axis_state(origin: f64, a: &Flow<Lanes>, far: Lanes) -> AxisState {
+    AxisState { inverse_radius: Lanes::ONE / (a.r + Lanes::splat(origin)), far }
 }
 
+/// w_ab/V_b = 2 R_b (R_a + R_b)/(2 R_a R_b) = 1 + R_b/R_a, nothing for an image.
 #[inline(always)]
-fn inverse_radius(origin: f64, a: &Flow<Lanes>) -> Lanes {
-    Lanes::ONE / (a.r + Lanes::splat(origin))
+fn harmonic_mean(origin: f64, own: &AxisState, b: &Flow<Lanes>) -> Lanes {
+    let radius_b = b.r + Lanes::splat(origin);
+    let factor = radius_b.mul_add(own.inverse_radius, Lanes::ONE);
+    radius_b.select_greater(Lanes::ZERO, factor, Lanes::ZERO)
 }
 
 impl Geometry for HarmonicMean {
     #[inline(always)]
-    fn weight(&self, a: &Flow<Lanes>, b: &Flow<Lanes>) -> Lanes {
-        harmonic_mean(self.origin, a, b)
+    fn prepare(&self, a: &Flow<Lanes>) -> AxisState {
+        axis_state(self.origin, a, Lanes::ONE)
+    }
+    #[inline(always)]
+    fn factor(&self, own: &AxisState, b: &Flow<Lanes>) -> Lanes {
+        harmonic_mean(self.origin, own, b)
     }
     #[inline(always)]
     fn hoop_force(&self, a: &Flow<Lanes>) -> Lanes {
-        inverse_radius(self.origin, a)
-    }
-    #[inline(always)]
-    fn inverse_radius(&self, a: &Flow<Lanes>) -> Lanes {
-        inverse_radius(self.origin, a)
-    }
-}
-
-impl NearAxisParshikov {
-    /// `far` where R_a > K h, `near` elsewhere; h = 2 theta D_a is the record's reach.
-    #[inline(always)]
-    fn choose(&self, a: &Flow<Lanes>, far: Lanes, near: Lanes) -> Lanes {
-        let radius = a.r + Lanes::splat(self.origin);
-        radius.select_greater(Lanes::splat(self.axis_factor) * a.reach, far, near)
+        self.inverse_radius(a)
     }
 }
 
 impl Geometry for NearAxisParshikov {
+    /// Far is R_a > K h; h = 2 theta D_a is the record's reach.
     #[inline(always)]
-    fn weight(&self, a: &Flow<Lanes>, b: &Flow<Lanes>) -> Lanes {
-        self.choose(a, harmonic_mean(self.origin, a, b), b.area + b.area)
+    fn prepare(&self, a: &Flow<Lanes>) -> AxisState {
+        let radius = a.r + Lanes::splat(self.origin);
+        let near = Lanes::splat(self.axis_factor) * a.reach;
+        axis_state(self.origin, a, radius.select_greater(near, Lanes::ONE, Lanes::ZERO))
+    }
+    #[inline(always)]
+    fn factor(&self, own: &AxisState, b: &Flow<Lanes>) -> Lanes {
+        let factor = harmonic_mean(self.origin, own, b);
+        own.far.select_greater(Lanes::ZERO, factor, Lanes::splat(2.0))
     }
     #[inline(always)]
     fn hoop_force(&self, a: &Flow<Lanes>) -> Lanes {
-        self.choose(a, inverse_radius(self.origin, a), Lanes::ZERO)
-    }
-    #[inline(always)]
-    fn inverse_radius(&self, a: &Flow<Lanes>) -> Lanes {
-        inverse_radius(self.origin, a)
+        let own = self.prepare(a);
+        own.far * own.inverse_radius
     }
 }
 
 impl Geometry for Parshikov {
     #[inline(always)]
-    fn weight(&self, _: &Flow<Lanes>, b: &Flow<Lanes>) -> Lanes {
-        b.area + b.area
+    fn prepare(&self, a: &Flow<Lanes>) -> AxisState {
+        axis_state(self.origin, a, Lanes::ZERO)
+    }
+    #[inline(always)]
+    fn factor(&self, _: &AxisState, _: &Flow<Lanes>) -> Lanes {
+        Lanes::splat(2.0)
     }
     #[inline(always)]
     fn hoop_force(&self, _: &Flow<Lanes>) -> Lanes {
         Lanes::ZERO
-    }
-    #[inline(always)]
-    fn inverse_radius(&self, a: &Flow<Lanes>) -> Lanes {
-        inverse_radius(self.origin, a)
     }
 }

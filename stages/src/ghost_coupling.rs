@@ -43,10 +43,7 @@ impl GhostCoupling {
                 rate: wiring.read(&fields::LAPLACE_PRESSURE_RATE),
             }),
             surface: wiring.read(&fields::SURFACE),
-            weight: [
-                wiring.read(&fields::GHOST_WEIGHT_R),
-                wiring.read(&fields::GHOST_WEIGHT_Z),
-            ],
+            weight: [wiring.read(&fields::GHOST_WEIGHT_R), wiring.read(&fields::GHOST_WEIGHT_Z)],
             pressure: wiring.read(&fields::PRESSURE),
             reference_pressure: wiring.read(&fields::REFERENCE_PRESSURE),
             density: wiring.read(&fields::DENSITY),
@@ -66,18 +63,10 @@ impl Stage for GhostCoupling {
         let store = &world.store;
         let surface = store.read(self.surface);
         let [weight_r, weight_z] = self.weight.map(|field| store.read(field));
-        let (pressure, reference) = (
-            store.read(self.pressure),
-            store.read(self.reference_pressure),
-        );
+        let (pressure, reference) = (store.read(self.pressure), store.read(self.reference_pressure));
         let (density, sound_speed) = (store.read(self.density), store.read(self.sound_speed));
-        let tension = self
-            .tension
-            .as_ref()
-            .map(|t| (store.read(t.pressure), store.read(t.rate)));
-        let tension = tension
-            .as_ref()
-            .map(|(pressure, rate)| (&pressure[..], &rate[..]));
+        let tension = self.tension.as_ref().map(|t| (store.read(t.pressure), store.read(t.rate)));
+        let tension = tension.as_ref().map(|(pressure, rate)| (&pressure[..], &rate[..]));
         // Between two computations of the curvature its pressure is carried on at the last rate:
         // a lag would feed the oscillation (method.md, section 10).
         let elapsed = world.clock.time - world.clock.mark("curvature");
@@ -85,30 +74,25 @@ impl Stage for GhostCoupling {
         let [mut force_r, mut force_z] = self.force.map(|field| store.write(field));
 
         let columns = (&mut strain_rate[..], &mut force_r[..], &mut force_z[..]);
-        parallel::for_chunks(
-            surface.len(),
-            columns,
-            |start, (strain_rate, force_r, force_z)| {
-                for k in 0..strain_rate.len() {
-                    let i = start + k;
-                    if surface[i] == INSIDE {
-                        (force_r[k], force_z[k]) = (0.0, 0.0);
-                        continue;
-                    }
-                    let laplace =
-                        tension.map_or(0.0, |(pressure, rate)| pressure[i] + elapsed * rate[i]);
-                    let ghost_pressure = self.external_pressure + laplace - reference[i];
-                    let impedance = density[i] * sound_speed[i];
-                    let ghost_impedance = IMPEDANCE_RATIO * impedance;
-                    let both = impedance + ghost_impedance;
-                    let star = (ghost_pressure * impedance + pressure[i] * ghost_impedance) / both;
-                    let rise = (pressure[i] - ghost_pressure) / both;
-                    strain_rate[k] += 2.0 * rise * weight_r[i].hypot(weight_z[i]);
-                    force_r[k] = -2.0 * star * weight_r[i];
-                    force_z[k] = -2.0 * star * weight_z[i];
+        parallel::for_chunks(surface.len(), columns, |start, (strain_rate, force_r, force_z)| {
+            for k in 0..strain_rate.len() {
+                let i = start + k;
+                if surface[i] == INSIDE {
+                    (force_r[k], force_z[k]) = (0.0, 0.0);
+                    continue;
                 }
-            },
-        );
+                let laplace = tension.map_or(0.0, |(pressure, rate)| pressure[i] + elapsed * rate[i]);
+                let ghost_pressure = self.external_pressure + laplace - reference[i];
+                let impedance = density[i] * sound_speed[i];
+                let ghost_impedance = IMPEDANCE_RATIO * impedance;
+                let both = impedance + ghost_impedance;
+                let star = (ghost_pressure * impedance + pressure[i] * ghost_impedance) / both;
+                let rise = (pressure[i] - ghost_pressure) / both;
+                strain_rate[k] += 2.0 * rise * weight_r[i].hypot(weight_z[i]);
+                force_r[k] = -2.0 * star * weight_r[i];
+                force_z[k] = -2.0 * star * weight_z[i];
+            }
+        });
         Ok(())
     }
 }

@@ -67,8 +67,7 @@ impl<E: EquationOfState> Stage for InitialPressure<E> {
             let pressure = if lower > 0.0 { upper / lower } else { 0.0 };
             // The linear relation about the present density; exact for the linear equation of state.
             let sound_speed = self.equation.sound_speed(density[i]);
-            density[i] +=
-                (pressure - self.equation.pressure(density[i])) / (sound_speed * sound_speed);
+            density[i] += (pressure - self.equation.pressure(density[i])) / (sound_speed * sound_speed);
             reference[i] = if self.with_reference { pressure } else { 0.0 };
         }
         Ok(())

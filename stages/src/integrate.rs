@@ -1,6 +1,7 @@
 //! Integrate: the time step, then velocities, densities and positions.
 
 use crate::fields;
+use meniscus_engine::lanes::{Lanes, WIDTH};
 use meniscus_engine::parallel;
 use meniscus_engine::pipeline::{Fault, Stage, World};
 use meniscus_engine::store::{Read, Update};
@@ -51,29 +52,17 @@ impl Integrate {
     /// Moves the particles by one step.
     pub fn new(wiring: &mut Wiring, scheme: Scheme, courant: Courant) -> Self {
         wiring.stage("integrate");
-        let previous = [
-            &fields::PREVIOUS_ACCELERATION_R,
-            &fields::PREVIOUS_ACCELERATION_Z,
-        ];
+        let previous = [&fields::PREVIOUS_ACCELERATION_R, &fields::PREVIOUS_ACCELERATION_Z];
         let two_step = scheme == Scheme::AdamsBashforth;
         Integrate {
             courant,
             identity: wiring.read(&fields::IDENTITY),
-            position: [
-                wiring.update(&fields::RADIUS),
-                wiring.update(&fields::AXIAL),
-            ],
-            velocity: [
-                wiring.update(&fields::VELOCITY_R),
-                wiring.update(&fields::VELOCITY_Z),
-            ],
+            position: [wiring.update(&fields::RADIUS), wiring.update(&fields::AXIAL)],
+            velocity: [wiring.update(&fields::VELOCITY_R), wiring.update(&fields::VELOCITY_Z)],
             density: wiring.update(&fields::DENSITY),
             previous: two_step.then(|| previous.map(|field| wiring.update(field))),
             force: [wiring.read(&fields::FORCE_R), wiring.read(&fields::FORCE_Z)],
-            dissipation: [
-                wiring.read(&fields::DISSIPATION_R),
-                wiring.read(&fields::DISSIPATION_Z),
-            ],
+            dissipation: [wiring.read(&fields::DISSIPATION_R), wiring.read(&fields::DISSIPATION_Z)],
             strain_rate: wiring.read(&fields::STRAIN_RATE),
             size: wiring.read(&fields::SIZE),
             sound_speed: wiring.read(&fields::SOUND_SPEED),
@@ -82,10 +71,7 @@ impl Integrate {
 
     /// dt = CFL min D/sqrt(C^2 + (4 D d eps/dt)^2) (method.md, section 6).
     fn acoustic_bound(&self, world: &World) -> f64 {
-        let (size, sound_speed) = (
-            world.store.read(self.size),
-            world.store.read(self.sound_speed),
-        );
+        let (size, sound_speed) = (world.store.read(self.size), world.store.read(self.sound_speed));
         let strain_rate = world.store.read(self.strain_rate);
         let (size, sound_speed, strain_rate) = (&size[..], &sound_speed[..], &strain_rate[..]);
         let slowest = parallel::maximum(size.len(), |i| {
@@ -98,10 +84,7 @@ impl Integrate {
     fn choose_step(&self, world: &mut World) -> Result<f64, Fault> {
         let acoustic = self.acoustic_bound(world);
         world.clock.limit("acoustic", acoustic);
-        let step_size = world
-            .clock
-            .bound()
-            .map_or(acoustic, |bound| bound.step_size);
+        let step_size = world.clock.bound().map_or(acoustic, |bound| bound.step_size);
         let at_rest = self.courant.number * self.courant.particle_size / self.courant.sound_speed;
         if step_size > VANISHING * at_rest {
             return Ok(step_size);
@@ -116,15 +99,7 @@ impl Integrate {
     fn fault(&self, world: &World, i: usize, quantity: &'static str, value: f64) -> Fault {
         let [r, z] = self.position.map(|field| world.store.write(field)[i]);
         let particle = world.store.read(self.identity)[i];
-        Fault {
-            stage: "integrate",
-            particle,
-            quantity,
-            value,
-            r,
-            z,
-            step: world.clock.step,
-        }
+        Fault { stage: "integrate", particle, quantity, value, r, z, step: world.clock.step }
     }
 
     /// Moves all particles; the first one that went bad, if any.
@@ -136,57 +111,90 @@ impl Integrate {
         let [mut r, mut z] = self.position.map(|field| store.write(field));
         let [mut u, mut w] = self.velocity.map(|field| store.write(field));
         let mut density = store.write(self.density);
-        let mut previous = self
-            .previous
-            .map(|fields| fields.map(|field| store.write(field)));
+        let mut previous = self.previous.map(|fields| fields.map(|field| store.write(field)));
         let previous = previous.as_mut().map(|[r, z]| (&mut r[..], &mut z[..]));
 
         let before = world.clock.previous_step_size;
-        let q = if previous.is_some() && before > 0.0 {
-            dt / (2.0 * before)
-        } else {
-            0.0
-        };
+        let q = if previous.is_some() && before > 0.0 { dt / (2.0 * before) } else { 0.0 };
         let origin = self.courant.origin;
         let (force_r, force_z, strain_rate) = (&force_r[..], &force_z[..], &strain_rate[..]);
         let (dissipation_r, dissipation_z) = (&dissipation_r[..], &dissipation_z[..]);
+        let step = Step { dt: Lanes::splat(dt), now: Lanes::splat(1.0 + q), before: Lanes::splat(q) };
         let body = |start: usize, columns: Columns, len: usize| {
             let ((r, z), (u, w), density, mut previous) = columns;
             let mut bad = None;
-            for k in 0..len {
-                let i = start + k;
-                let inverse = 1.0 / density[k];
-                let mut a = [force_r[i] * inverse, force_z[i] * inverse];
-                if let Some((previous_r, previous_z)) = &mut previous {
-                    let now = a;
-                    a = [
-                        (1.0 + q) * a[0] - q * previous_r[k],
-                        (1.0 + q) * a[1] - q * previous_z[k],
-                    ];
-                    (previous_r[k], previous_z[k]) = (now[0], now[1]);
-                }
-                let du = dt * (a[0] + dissipation_r[i] * inverse);
-                let dw = dt * (a[1] + dissipation_z[i] * inverse);
-                r[k] += dt * (u[k] + 0.5 * du);
-                z[k] += dt * (w[k] + 0.5 * dw);
-                u[k] += du;
-                w[k] += dw;
-                density[k] *= (-dt * strain_rate[i]).exp();
-                let sound = density[k] > 0.0 && (density[k] + u[k] + w[k] + z[k]).is_finite();
-                if !(sound && r[k] + origin > 0.0) && bad.is_none() {
-                    bad = Some(name_bad(i, [density[k], u[k], w[k], z[k], r[k]]));
+            for first in (0..len).step_by(WIDTH) {
+                let eight = first..len.min(first + WIDTH);
+                let here = start + eight.start..start + eight.end;
+                let inverse = Lanes::ONE / Lanes::load_or(&density[eight.clone()], 1.0);
+                let component = |force: &[f64], dissipation: &[f64], previous: Option<&mut [f64]>| {
+                    let force = Lanes::load_or(&force[here.clone()], 0.0) * inverse;
+                    let dissipation = Lanes::load_or(&dissipation[here.clone()], 0.0) * inverse;
+                    step.change(force, dissipation, previous.map(|p| &mut p[eight.clone()]))
+                };
+                let (previous_r, previous_z) = match &mut previous {
+                    Some((r, z)) => (Some(&mut **r), Some(&mut **z)),
+                    None => (None, None),
+                };
+                let du = component(force_r, dissipation_r, previous_r);
+                let dw = component(force_z, dissipation_z, previous_z);
+                let new_u = step.advance(&mut r[eight.clone()], &mut u[eight.clone()], du);
+                let new_w = step.advance(&mut z[eight.clone()], &mut w[eight.clone()], dw);
+                let strain = step.dt * Lanes::load_or(&strain_rate[here], 0.0);
+                let new_density = Lanes::load_or(&density[eight.clone()], 1.0) * (-strain).exp();
+                new_density.store(&mut density[eight.clone()]);
+                // One test for all: the sum is finite where every part is.
+                let sum = new_density + new_u + new_w + Lanes::load_or(&z[eight.clone()], 0.0);
+                let radius = Lanes::load_or(&r[eight.clone()], 1.0) + Lanes::splat(origin);
+                let least = new_density.min(radius).min(Lanes::splat(f64::MAX) - sum.abs());
+                if !least.all_positive() && bad.is_none() {
+                    let wrong = |&k: &usize| {
+                        let finite = (density[k] + u[k] + w[k] + z[k]).is_finite();
+                        !(finite && density[k] > 0.0 && r[k] + origin > 0.0)
+                    };
+                    let k = eight.clone().find(wrong);
+                    bad = k.map(|k| name_bad(start + k, [density[k], u[k], w[k], z[k], r[k]]));
                 }
             }
             bad
         };
         let first = |a: Option<Bad>, b: Option<Bad>| a.or(b);
-        let columns = (
-            (&mut r[..], &mut z[..]),
-            (&mut u[..], &mut w[..]),
-            &mut density[..],
-            previous,
-        );
+        let columns = ((&mut r[..], &mut z[..]), (&mut u[..], &mut w[..]), &mut density[..], previous);
         parallel::fold_chunks(force_r.len(), columns, &body, &first)
+    }
+}
+
+/// One step's factors.
+#[derive(Clone, Copy)]
+struct Step {
+    dt: Lanes,
+    now: Lanes,
+    before: Lanes,
+}
+
+impl Step {
+    /// dt [(1 + q) a_w^n - q a_w^{n-1} + a_d^n]; notes a_w^n for the next step.
+    #[inline(always)]
+    fn change(&self, force: Lanes, dissipation: Lanes, previous: Option<&mut [f64]>) -> Lanes {
+        let acceleration = match previous {
+            Some(previous) => {
+                let before = Lanes::load_or(previous, 0.0);
+                force.store(previous);
+                self.now * force - self.before * before
+            }
+            None => force,
+        };
+        self.dt * (acceleration + dissipation)
+    }
+
+    /// x += dt (U^n + U^{n+1})/2 and U += change; the new velocity.
+    #[inline(always)]
+    fn advance(&self, position: &mut [f64], velocity: &mut [f64], change: Lanes) -> Lanes {
+        let before = Lanes::load_or(velocity, 0.0);
+        let moved = self.dt * (before + Lanes::HALF * change);
+        (Lanes::load_or(position, 0.0) + moved).store(position);
+        (before + change).store(velocity);
+        before + change
     }
 }
 

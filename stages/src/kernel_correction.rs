@@ -38,37 +38,31 @@ impl Stage for KernelCorrection {
     fn run(&mut self, world: &mut World) -> Result<(), Fault> {
         let [rr, rz, zz] = self.moment.map(|field| world.store.read(field));
         let mut scale = world.store.write(self.scale);
-        let interior = |i: usize| {
-            let moment = Moment {
-                rr: rr[i],
-                rz: rz[i],
-                zz: zz[i],
-            };
-            (moment.smallest_eigenvalue() >= EIGENVALUE).then(|| 0.5 * moment.trace())
-        };
-        let follow = |start: usize, scale: &mut [f64], _: usize| {
+        let columns = (&rr[..], &rz[..], &zz[..], &mut scale[..]);
+        let follow = |_: usize, (rr, rz, zz, scale): Columns, len: usize| {
+            let (rr, rz, zz, scale) = (&rr[..len], &rz[..len], &zz[..len], &mut scale[..len]);
             let (mut sum, mut count) = (0.0, 0.0);
-            for (k, scale) in scale.iter_mut().enumerate() {
-                if let Some(lambda) = interior(start + k) {
-                    *scale *= 1.0 + RELAXATION * (1.0 / lambda - 1.0);
-                    sum += *scale;
-                    count += 1.0;
-                }
+            for i in 0..len {
+                let moment = Moment { rr: rr[i], rz: rz[i], zz: zz[i] };
+                let now = scale[i] * (1.0 + RELAXATION * (2.0 / moment.trace() - 1.0));
+                let interior = moment.eigenvalues_at_least(EIGENVALUE);
+                scale[i] = if interior { now } else { f64::NAN };
+                sum += if interior { now } else { 0.0 };
+                count += if interior { 1.0 } else { 0.0 };
             }
             (sum, count)
         };
         let add = |a: (f64, f64), b: (f64, f64)| (a.0 + b.0, a.1 + b.1);
-        let (sum, count) = parallel::fold_chunks(rr.len(), &mut scale[..], &follow, &add);
-        if count == 0.0 {
-            return Ok(());
-        }
-        parallel::for_chunks(rr.len(), &mut scale[..], |start, scale| {
-            for (k, scale) in scale.iter_mut().enumerate() {
-                if interior(start + k).is_none() {
-                    *scale = sum / count;
-                }
+        let (sum, count) = parallel::fold_chunks(rr.len(), columns, &follow, &add);
+        // Boundary particles, marked by a NaN above, take the mean.
+        let mean = if count > 0.0 { sum / count } else { 1.0 };
+        parallel::for_chunks(rr.len(), &mut scale[..], |_, scale| {
+            for scale in scale {
+                *scale = if scale.is_nan() { mean } else { *scale };
             }
         });
         Ok(())
     }
 }
+
+type Columns<'a> = (&'a [f64], &'a [f64], &'a [f64], &'a mut [f64]);

@@ -19,6 +19,14 @@ impl Moment {
         0.5 * self.trace() - (half_difference * half_difference + self.rz * self.rz).sqrt()
     }
 
+    /// Whether both eigenvalues are at least `least`, without a root: trace and determinant of
+    /// L - least are those of a matrix without negative eigenvalues.
+    #[inline]
+    pub fn eigenvalues_at_least(&self, least: f64) -> bool {
+        let (rr, zz) = (self.rr - least, self.zz - least);
+        (rr + zz >= 0.0) & (rr * zz - self.rz * self.rz >= 0.0)
+    }
+
     /// Sum of the diagonal.
     #[inline]
     pub fn trace(&self) -> f64 {
@@ -35,11 +43,7 @@ impl Moment {
     #[inline]
     pub fn inverse(&self) -> Moment {
         let inverse = 1.0 / (self.rr * self.zz - self.rz * self.rz);
-        Moment {
-            rr: self.zz * inverse,
-            rz: -self.rz * inverse,
-            zz: self.rr * inverse,
-        }
+        Moment { rr: self.zz * inverse, rz: -self.rz * inverse, zz: self.rr * inverse }
     }
 
     /// T L^{-1} for T in the order rr, rz, zr, zz (velocity component, direction).
@@ -58,12 +62,9 @@ mod tests {
 
     #[test]
     fn eigenvalue_and_inverse() {
-        let moment = Moment {
-            rr: 2.0,
-            rz: 1.0,
-            zz: 2.0,
-        };
+        let moment = Moment { rr: 2.0, rz: 1.0, zz: 2.0 };
         assert!((moment.smallest_eigenvalue() - 1.0).abs() < 1e-15);
+        assert!(moment.eigenvalues_at_least(0.999) && !moment.eigenvalues_at_least(1.001));
         let [r, z] = moment.inverse().apply(moment.apply([0.3, -0.7]));
         assert!((r - 0.3).abs() < 1e-15 && (z + 0.7).abs() < 1e-15);
     }

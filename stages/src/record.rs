@@ -1,6 +1,6 @@
 //! What a flux pass knows of a particle: the packed record and its slots.
 
-use meniscus_engine::lanes::{Lanes, Row, WIDTH};
+use meniscus_engine::lanes::{HalfRow, Lanes, Row, WIDTH};
 use meniscus_engine::neighbours::{Domain, Image};
 use meniscus_engine::pairs::Record;
 
@@ -25,15 +25,13 @@ pub struct Flow<T> {
     pub impedance: T,
 }
 
-/// Velocity gradient and kernel scale: the second row, where the flux needs it.
+/// Rate of deformation and kernel scale: the second row, where the flux needs it.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Gradient<T> {
+pub struct Deformation<T> {
     /// d U_r/d r, 1/s.
     pub rr: T,
-    /// d U_r/d z, 1/s.
-    pub rz: T,
-    /// d U_z/d r, 1/s.
-    pub zr: T,
+    /// d U_r/d z + d U_z/d r, 1/s.
+    pub shear: T,
     /// d U_z/d z, 1/s.
     pub zz: T,
     /// Factor of the kernel gradient.
@@ -46,11 +44,11 @@ pub struct FlowRecord {
     flow: Flow<Lanes>,
 }
 
-/// A record of two rows: flow state, velocity gradient and kernel scale.
+/// A record of a row and a half: flow state, rate of deformation and kernel scale.
 #[derive(Clone, Copy, Debug)]
-pub struct GradientRecord {
+pub struct DeformationRecord {
     flow: Flow<Lanes>,
-    gradient: Gradient<Lanes>,
+    deformation: Deformation<Lanes>,
 }
 
 /// A record that holds a flow state.
@@ -61,19 +59,17 @@ pub trait FlowState: Record {
     fn kernel_scale(&self) -> Lanes;
 }
 
-/// A record that holds the velocity gradient as well.
-pub trait GradientState: FlowState {
-    /// The velocity gradient.
-    fn gradient(&self) -> &Gradient<Lanes>;
+/// A record that holds the rate of deformation as well.
+pub trait DeformationState: FlowState {
+    /// The rate of deformation.
+    fn deformation(&self) -> &Deformation<Lanes>;
 }
 
 impl Record for FlowRecord {
-    const ROWS: usize = 1;
+    const SECOND: bool = false;
     #[inline(always)]
-    fn from_slots(first: [Lanes; WIDTH], _: [Lanes; WIDTH]) -> Self {
-        FlowRecord {
-            flow: Flow::unpack(first),
-        }
+    fn from_slots(first: [Lanes; WIDTH], _: [Lanes; WIDTH / 2]) -> Self {
+        FlowRecord { flow: Flow::unpack(first) }
     }
 }
 
@@ -88,66 +84,36 @@ impl FlowState for FlowRecord {
     }
 }
 
-impl Record for GradientRecord {
-    const ROWS: usize = 2;
+impl Record for DeformationRecord {
+    const SECOND: bool = true;
     #[inline(always)]
-    fn from_slots(first: [Lanes; WIDTH], second: [Lanes; WIDTH]) -> Self {
-        let [rr, rz, zr, zz, kernel_scale, ..] = second;
-        GradientRecord {
-            flow: Flow::unpack(first),
-            gradient: Gradient {
-                rr,
-                rz,
-                zr,
-                zz,
-                kernel_scale,
-            },
-        }
+    fn from_slots(first: [Lanes; WIDTH], second: [Lanes; WIDTH / 2]) -> Self {
+        DeformationRecord { flow: Flow::unpack(first), deformation: Deformation::unpack(second) }
     }
 }
 
-impl FlowState for GradientRecord {
+impl FlowState for DeformationRecord {
     #[inline(always)]
     fn flow(&self) -> &Flow<Lanes> {
         &self.flow
     }
     #[inline(always)]
     fn kernel_scale(&self) -> Lanes {
-        self.gradient.kernel_scale
+        self.deformation.kernel_scale
     }
 }
 
-impl GradientState for GradientRecord {
+impl DeformationState for DeformationRecord {
     #[inline(always)]
-    fn gradient(&self) -> &Gradient<Lanes> {
-        &self.gradient
+    fn deformation(&self) -> &Deformation<Lanes> {
+        &self.deformation
     }
 }
 
 impl<T> Flow<T> {
     #[inline(always)]
-    fn unpack(
-        [
-            r,
-            z,
-            reach,
-            area,
-            velocity_r,
-            velocity_z,
-            pressure,
-            impedance,
-        ]: [T; WIDTH],
-    ) -> Self {
-        Flow {
-            r,
-            z,
-            reach,
-            area,
-            velocity_r,
-            velocity_z,
-            pressure,
-            impedance,
-        }
+    fn unpack([r, z, reach, area, velocity_r, velocity_z, pressure, impedance]: [T; WIDTH]) -> Self {
+        Flow { r, z, reach, area, velocity_r, velocity_z, pressure, impedance }
     }
 }
 
@@ -155,36 +121,23 @@ impl Flow<f64> {
     /// The state as a row.
     #[inline]
     pub fn pack(&self) -> Row {
-        let Flow {
-            r,
-            z,
-            reach,
-            area,
-            velocity_r,
-            velocity_z,
-            pressure,
-            impedance,
-        } = *self;
-        Row([
-            r, z, reach, area, velocity_r, velocity_z, pressure, impedance,
-        ])
+        let Flow { r, z, reach, area, velocity_r, velocity_z, pressure, impedance } = *self;
+        Row([r, z, reach, area, velocity_r, velocity_z, pressure, impedance])
     }
 }
 
-impl Gradient<f64> {
-    /// Gradient and scale as a row.
+impl<T> Deformation<T> {
+    #[inline(always)]
+    fn unpack([rr, shear, zz, kernel_scale]: [T; WIDTH / 2]) -> Self {
+        Deformation { rr, shear, zz, kernel_scale }
+    }
+}
+
+impl Deformation<f64> {
+    /// Deformation and scale as half a row.
     #[inline]
-    pub fn pack(&self) -> Row {
-        Row([
-            self.rr,
-            self.rz,
-            self.zr,
-            self.zz,
-            self.kernel_scale,
-            0.0,
-            0.0,
-            0.0,
-        ])
+    pub fn pack(&self) -> HalfRow {
+        HalfRow([self.rr, self.shear, self.zz, self.kernel_scale])
     }
 }
 
@@ -198,16 +151,11 @@ pub fn image_of_flow(image: &Image, domain: &Domain, row: &Row) -> Row {
     flow.pack()
 }
 
-/// The second row of an image from that of its particle: a mirror changes the sign of mixed gradients.
-pub fn image_of_gradient(image: &Image, row: &Row) -> Row {
-    let [rr, rz, zr, zz, kernel_scale, ..] = row.0;
-    let sign = if image.mirrored { -1.0 } else { 1.0 };
-    Gradient {
-        rr,
-        rz: sign * rz,
-        zr: sign * zr,
-        zz,
-        kernel_scale,
+/// The second row of an image from that of its particle: a mirror changes the sign of the shear.
+pub fn image_of_deformation(image: &Image, row: &HalfRow) -> HalfRow {
+    let mut deformation = Deformation::unpack(row.0);
+    if image.mirrored {
+        deformation.shear = -deformation.shear;
     }
-    .pack()
+    deformation.pack()
 }

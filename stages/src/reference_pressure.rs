@@ -50,12 +50,7 @@ impl Stage for ReferencePressure {
         }
         let component = {
             let [r, z] = self.position.map(|field| world.store.read(field));
-            components(
-                &world.neighbours,
-                &self.packing,
-                [&r, &z, &world.store.read(self.size)],
-                &world.arena,
-            )
+            components(&world.neighbours, &self.packing, [&r, &z, &world.store.read(self.size)], &world.arena)
         };
         let (mass, pressure) = (world.store.read(self.mass), world.store.read(self.pressure));
         let mut reference = world.store.write(self.reference);

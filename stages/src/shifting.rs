@@ -45,21 +45,12 @@ impl Shifting {
         Shifting {
             strength,
             size: wiring.read(&fields::SIZE),
-            crowding: [
-                wiring.read(&fields::CROWDING_R),
-                wiring.read(&fields::CROWDING_Z),
-            ],
+            crowding: [wiring.read(&fields::CROWDING_R), wiring.read(&fields::CROWDING_Z)],
             outward: with_surface.then(|| Outward {
                 surface: wiring.read(&fields::SURFACE),
-                weight: [
-                    wiring.read(&fields::GHOST_WEIGHT_R),
-                    wiring.read(&fields::GHOST_WEIGHT_Z),
-                ],
+                weight: [wiring.read(&fields::GHOST_WEIGHT_R), wiring.read(&fields::GHOST_WEIGHT_Z)],
             }),
-            position: [
-                wiring.update(&fields::RADIUS),
-                wiring.update(&fields::AXIAL),
-            ],
+            position: [wiring.update(&fields::RADIUS), wiring.update(&fields::AXIAL)],
         }
     }
 }
@@ -72,15 +63,8 @@ fn along_surface(shift: [f64; 2], outward: [f64; 2], surface: u32) -> [f64; 2] {
     }
     let normal = [outward[0] / length, outward[1] / length];
     let out = shift[0] * normal[0] + shift[1] * normal[1];
-    let removed = if surface == BOUNDARY {
-        out
-    } else {
-        out.max(0.0)
-    };
-    [
-        shift[0] - removed * normal[0],
-        shift[1] - removed * normal[1],
-    ]
+    let removed = if surface == BOUNDARY { out } else { out.max(0.0) };
+    [shift[0] - removed * normal[0], shift[1] - removed * normal[1]]
 }
 
 impl Stage for Shifting {
@@ -99,33 +83,19 @@ impl Stage for Shifting {
             let [r, z] = o.weight.map(|field| store.read(field));
             (store.read(o.surface), r, z)
         });
-        let outward = outward
-            .as_ref()
-            .map(|(surface, r, z)| (&surface[..], &r[..], &z[..]));
+        let outward = outward.as_ref().map(|(surface, r, z)| (&surface[..], &r[..], &z[..]));
         let [mut r, mut z] = self.position.map(|field| store.write(field));
-        let Strength {
-            coefficient,
-            speed,
-            theta,
-            origin,
-        } = self.strength;
+        let Strength { coefficient, speed, theta, origin } = self.strength;
         let factor = coefficient * speed * bound.step_size * 4.0 * theta;
         parallel::for_chunks(size.len(), (&mut r[..], &mut z[..]), |start, (r, z)| {
             for k in 0..r.len() {
                 let i = start + k;
-                let mut shift = [
-                    -factor * size[i] * crowding_r[i],
-                    -factor * size[i] * crowding_z[i],
-                ];
+                let mut shift = [-factor * size[i] * crowding_r[i], -factor * size[i] * crowding_z[i]];
                 if let Some((surface, weight_r, weight_z)) = outward {
                     shift = along_surface(shift, [weight_r[i], weight_z[i]], surface[i]);
                 }
                 let length = shift[0].hypot(shift[1]);
-                let keep = if length > CAP * size[i] {
-                    CAP * size[i] / length
-                } else {
-                    1.0
-                };
+                let keep = if length > CAP * size[i] { CAP * size[i] / length } else { 1.0 };
                 // A shift must not carry a particle across the axis.
                 let radius = r[k] + origin;
                 r[k] += (keep * shift[0]).max(-0.5 * radius);

@@ -27,18 +27,11 @@ impl SortBin {
     /// `skin` is the distance in metres that a pair may close in before the list is built anew.
     pub fn new(wiring: &mut Wiring, packing: Packing, skin: f64) -> Self {
         wiring.stage("sort-bin");
-        let listed = [
-            &fields::LIST_RADIUS,
-            &fields::LIST_AXIAL,
-            &fields::LIST_REACH,
-        ];
+        let listed = [&fields::LIST_RADIUS, &fields::LIST_AXIAL, &fields::LIST_REACH];
         SortBin {
             packing,
             skin,
-            position: [
-                wiring.update(&fields::RADIUS),
-                wiring.update(&fields::AXIAL),
-            ],
+            position: [wiring.update(&fields::RADIUS), wiring.update(&fields::AXIAL)],
             density: wiring.read(&fields::DENSITY),
             mass: wiring.read(&fields::MASS),
             listed: listed.map(|field| wiring.update(field)),
@@ -52,18 +45,15 @@ impl SortBin {
     fn measure_reach(&mut self, world: &World) {
         let r = world.store.write(self.position[0]);
         let (density, mass) = (world.store.read(self.density), world.store.read(self.mass));
-        let Packing {
-            domain,
-            theta,
-            largest_size,
-        } = self.packing;
+        let Packing { domain, theta, largest_size } = self.packing;
         self.reach.resize(r.len(), 0.0);
-        let r = &r[..];
-        parallel::for_chunks(r.len(), &mut self.reach[..], |start, reach| {
-            for (k, reach) in reach.iter_mut().enumerate() {
-                let i = start + k;
+        let columns = (&r[..], &density[..], &mass[..], &mut self.reach[..]);
+        parallel::for_chunks(r.len(), columns, |_, (r, density, mass, reach)| {
+            let len = reach.len();
+            let (r, density, mass) = (&r[..len], &density[..len], &mass[..len]);
+            for i in 0..len {
                 let area = mass[i] / (2.0 * PI * (r[i] + domain.origin) * density[i]);
-                *reach = 2.0 * theta * area.sqrt().min(largest_size);
+                reach[i] = 2.0 * theta * area.sqrt().min(largest_size);
             }
         });
     }
@@ -72,19 +62,18 @@ impl SortBin {
     fn used_skin(&self, world: &World) -> f64 {
         let [r, z] = self.position.map(|field| world.store.write(field));
         let [list_r, list_z, list_reach] = self.listed.map(|field| world.store.write(field));
-        let (r, z, list_r, list_z) = (&r[..], &z[..], &list_r[..], &list_z[..]);
-        let (reach, list_reach) = (&self.reach[..], &list_reach[..]);
-        parallel::maximum(r.len(), |i| {
-            let moved = (r[i] - list_r[i]).hypot(z[i] - list_z[i]);
-            moved + (reach[i] - list_reach[i]).max(0.0)
+        let len = r.len();
+        let (r, z, list_r, list_z) = (&r[..len], &z[..len], &list_r[..len], &list_z[..len]);
+        let (reach, list_reach) = (&self.reach[..len], &list_reach[..len]);
+        parallel::maximum(len, |i| {
+            let (dr, dz) = (r[i] - list_r[i], z[i] - list_z[i]);
+            (dr * dr + dz * dz).sqrt() + (reach[i] - list_reach[i]).max(0.0)
         })
     }
 
     fn build(&self, world: &mut World) {
         let [r, z, reach] = self.listed.map(|field| world.store.write(field));
-        world
-            .neighbours
-            .build(&r, &z, &reach, self.skin, &self.packing.domain);
+        world.neighbours.build(&r, &z, &reach, self.skin, &self.packing.domain);
     }
 
     /// Wraps a periodic domain, sorts, and notes where the list is built.
@@ -96,8 +85,7 @@ impl SortBin {
                     *z -= length * ((*z - bottom) / length).floor();
                 }
             }
-            let [mut list_r, mut list_z, mut list_reach] =
-                self.listed.map(|field| world.store.write(field));
+            let [mut list_r, mut list_z, mut list_reach] = self.listed.map(|field| world.store.write(field));
             list_r.copy_from_slice(&r);
             list_z.copy_from_slice(&z);
             list_reach.copy_from_slice(&self.reach);

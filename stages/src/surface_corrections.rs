@@ -29,10 +29,7 @@ impl TangentialPressure {
         TangentialPressure {
             surface: wiring.read(&fields::SURFACE),
             moment: moment(wiring),
-            slope: [
-                wiring.read(&fields::LAPLACE_SLOPE_R),
-                wiring.read(&fields::LAPLACE_SLOPE_Z),
-            ],
+            slope: [wiring.read(&fields::LAPLACE_SLOPE_R), wiring.read(&fields::LAPLACE_SLOPE_Z)],
             force: force.map(|field| wiring.add(field)),
         }
     }
@@ -58,11 +55,7 @@ impl Stage for TangentialPressure {
             for k in 0..force_r.len() {
                 let i = start + k;
                 if surface[i] != INSIDE {
-                    let missing = Moment {
-                        rr: 1.0 - rr[i],
-                        rz: -rz[i],
-                        zz: 1.0 - zz[i],
-                    };
+                    let missing = Moment { rr: 1.0 - rr[i], rz: -rz[i], zz: 1.0 - zz[i] };
                     let [r, z] = missing.apply([slope_r[i], slope_z[i]]);
                     force_r[k] -= r;
                     force_z[k] -= z;
@@ -117,12 +110,8 @@ impl Stage for StrainCorrection {
                 if surface[i] == INSIDE {
                     continue;
                 }
-                let moment = Moment {
-                    rr: rr[i],
-                    rz: rz[i],
-                    zz: zz[i],
-                };
-                if moment.smallest_eigenvalue() >= INVERTIBLE {
+                let moment = Moment { rr: rr[i], rz: rz[i], zz: zz[i] };
+                if moment.eigenvalues_at_least(INVERTIBLE) {
                     let sum = std::array::from_fn(|c| sum[c][i]);
                     let gradient = moment.solve(sum);
                     *strain_rate += (gradient[0] + gradient[3]) - (sum[0] + sum[3]);

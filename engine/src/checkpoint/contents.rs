@@ -49,9 +49,7 @@ impl<'a> Contents<'a> {
     pub fn verified_columns(&self) -> Result<&'a ArchivedVec<ArchivedColumn>, CheckpointError> {
         self.checked(COLUMNS, self.header.columns_range(), self.header.columns)?;
         let columns = self.columns()?;
-        let lengths = columns
-            .iter()
-            .map(|column| (column.name.as_str(), length(&column.data)));
+        let lengths = columns.iter().map(|column| (column.name.as_str(), length(&column.data)));
         check_columns(self.path, lengths)?;
         Ok(columns)
     }
@@ -93,19 +91,13 @@ impl<'a> Contents<'a> {
     ) -> Result<&'a T, CheckpointError>
     where
         T: Portable
-            + for<'b> CheckBytes<
-                Strategy<Validator<ArchiveValidator<'b>, SharedValidator>, BoxedError>,
-            >,
+            + for<'b> CheckBytes<Strategy<Validator<ArchiveValidator<'b>, SharedValidator>, BoxedError>>,
     {
         access(&bytes[..section.length as usize]).map_err(|source| self.invalid(name, source))
     }
 
     fn agree(&self, preface: &Preface) -> Result<(), CheckpointError> {
-        let Preface {
-            clock,
-            scene,
-            revision,
-        } = preface;
+        let Preface { clock, scene, revision } = preface;
         let header = self.header;
         let same_time = header.time.to_bits() == clock.time.to_bits()
             && header.step_size.to_bits() == clock.step_size.to_bits();
@@ -116,21 +108,14 @@ impl<'a> Contents<'a> {
             ("revision", header.revision == shortened(revision)),
         ] {
             if !same {
-                return Err(CheckpointError::Disagreement {
-                    path: self.path.to_path_buf(),
-                    what,
-                });
+                return Err(CheckpointError::Disagreement { path: self.path.to_path_buf(), what });
             }
         }
         Ok(())
     }
 
     fn invalid(&self, section: &'static str, source: BoxedError) -> CheckpointError {
-        CheckpointError::Archive {
-            path: self.path.to_path_buf(),
-            section,
-            source,
-        }
+        CheckpointError::Archive { path: self.path.to_path_buf(), section, source }
     }
 }
 
@@ -143,10 +128,7 @@ pub(super) fn check_columns<'n>(
     let mut expected = None;
     for (name, found) in columns {
         if !names.insert(name) {
-            return Err(CheckpointError::DuplicateColumn {
-                path: path.to_path_buf(),
-                name: name.to_owned(),
-            });
+            return Err(CheckpointError::DuplicateColumn { path: path.to_path_buf(), name: name.to_owned() });
         }
         let expected = *expected.get_or_insert(found);
         if found != expected {

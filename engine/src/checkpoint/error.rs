@@ -139,19 +139,11 @@ impl CheckpointError {
     /// Turns an error of the operating system into one that names the path and the action.
     pub(super) fn io(path: &Path, action: &'static str) -> impl FnOnce(io::Error) -> Self {
         let path = path.to_path_buf();
-        move |source| Self::Io {
-            path,
-            action,
-            source,
-        }
+        move |source| Self::Io { path, action, source }
     }
 }
 
 fn reasons(skipped: &[Skipped]) -> String {
     let reasons: Vec<String> = skipped.iter().map(|(_, error)| error.to_string()).collect();
-    if reasons.is_empty() {
-        String::new()
-    } else {
-        format!(" ({})", reasons.join("; "))
-    }
+    if reasons.is_empty() { String::new() } else { format!(" ({})", reasons.join("; ")) }
 }

@@ -46,10 +46,7 @@ pub fn newest_valid(folder: &Path) -> Result<(PathBuf, Checkpoint, Vec<Skipped>)
             Err(error) => skipped.push((path, error)),
         }
     }
-    Err(CheckpointError::NoneValid {
-        folder: folder.to_path_buf(),
-        skipped,
-    })
+    Err(CheckpointError::NoneValid { folder: folder.to_path_buf(), skipped })
 }
 
 /// Removes all but the newest `count` checkpoints of a folder (one stays in any case), and what
@@ -74,10 +71,7 @@ fn unfinished(folder: &Path) -> Result<Vec<PathBuf>, CheckpointError> {
     for entry in fs::read_dir(folder).map_err(read_error())? {
         let entry = entry.map_err(read_error())?;
         let name = entry.file_name();
-        if name
-            .to_str()
-            .is_some_and(|name| name.starts_with('.') && name.ends_with(UNFINISHED))
-        {
+        if name.to_str().is_some_and(|name| name.starts_with('.') && name.ends_with(UNFINISHED)) {
             found.push(entry.path());
         }
     }

@@ -104,10 +104,7 @@ impl Header {
     pub fn decode(path: &Path, start: &[u8], file_length: u64) -> Result<Self, CheckpointError> {
         let path_buf = || path.to_path_buf();
         let Some(bytes) = start.first_chunk::<HEADER_LENGTH>() else {
-            return Err(CheckpointError::TooShort {
-                path: path_buf(),
-                found: file_length,
-            });
+            return Err(CheckpointError::TooShort { path: path_buf(), found: file_length });
         };
         if !bytes.starts_with(&MAGIC) {
             return Err(CheckpointError::NotACheckpoint { path: path_buf() });
@@ -116,28 +113,17 @@ impl Header {
         version.copy_from_slice(&bytes[place::VERSION..][..4]);
         let found = u32::from_le_bytes(version);
         if found != FORMAT_VERSION {
-            return Err(CheckpointError::Version {
-                path: path_buf(),
-                found,
-            });
+            return Err(CheckpointError::Version { path: path_buf(), found });
         }
         let found = xxh3_64(&bytes[..place::CHECKSUM]);
         let expected = word(bytes, place::CHECKSUM);
         if found != expected {
-            return Err(CheckpointError::HeaderDamaged {
-                path: path_buf(),
-                found,
-                expected,
-            });
+            return Err(CheckpointError::HeaderDamaged { path: path_buf(), found, expected });
         }
         let header = Self::parse(bytes);
         let claimed = word(bytes, place::FILE_LENGTH);
         if claimed != file_length || header.file_length() != Some(file_length) {
-            return Err(CheckpointError::Length {
-                path: path_buf(),
-                found: file_length,
-                expected: claimed,
-            });
+            return Err(CheckpointError::Length { path: path_buf(), found: file_length, expected: claimed });
         }
         Ok(header)
     }

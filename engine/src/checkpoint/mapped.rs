@@ -30,20 +30,11 @@ impl Mapped {
         // `write`, which fills another file and renames it over this name: a map that is open
         // keeps the old file. Nothing in this program changes or shortens a finished checkpoint.
         // Somebody else's edit could be seen as wrong values or end the program, as with any map.
-        let map = unsafe { Mmap::map(&file) }
-            .map_err(CheckpointError::io(path, "map the file into memory"))?;
-        let contents = Contents {
-            path,
-            bytes: &map,
-            header: &header,
-        };
+        let map =
+            unsafe { Mmap::map(&file) }.map_err(CheckpointError::io(path, "map the file into memory"))?;
+        let contents = Contents { path, bytes: &map, header: &header };
         let preface = contents.preface()?;
-        Ok(Self {
-            path: path.to_path_buf(),
-            map,
-            header,
-            preface,
-        })
+        Ok(Self { path: path.to_path_buf(), map, header, preface })
     }
 
     /// The file.
@@ -105,11 +96,7 @@ impl Mapped {
     }
 
     fn contents(&self) -> Contents<'_> {
-        Contents {
-            path: &self.path,
-            bytes: &self.map,
-            header: &self.header,
-        }
+        Contents { path: &self.path, bytes: &self.map, header: &self.header }
     }
 }
 

@@ -24,30 +24,14 @@ pub fn read(path: &Path) -> Result<Checkpoint, CheckpointError> {
     let end = header.columns_range().map(|range| range.end);
     bytes.resize(end.unwrap_or(HEADER_LENGTH), 0);
     // The header's own place stays zero: it has been read.
-    file.read_exact(&mut bytes[HEADER_LENGTH..])
-        .map_err(CheckpointError::io(path, "read the file"))?;
-    let contents = Contents {
-        path,
-        bytes: &bytes,
-        header: &header,
-    };
-    let Preface {
-        clock,
-        scene,
-        revision,
-    } = contents.preface()?;
-    let columns = rkyv::deserialize::<Vec<Column>, BoxedError>(contents.verified_columns()?)
-        .map_err(|source| CheckpointError::Archive {
-            path: path.to_path_buf(),
-            section: "columns",
-            source,
+    file.read_exact(&mut bytes[HEADER_LENGTH..]).map_err(CheckpointError::io(path, "read the file"))?;
+    let contents = Contents { path, bytes: &bytes, header: &header };
+    let Preface { clock, scene, revision } = contents.preface()?;
+    let columns =
+        rkyv::deserialize::<Vec<Column>, BoxedError>(contents.verified_columns()?).map_err(|source| {
+            CheckpointError::Archive { path: path.to_path_buf(), section: "columns", source }
         })?;
-    Ok(Checkpoint {
-        clock,
-        scene,
-        revision,
-        columns,
-    })
+    Ok(Checkpoint { clock, scene, revision, columns })
 }
 
 /// Opens a file and checks its header; the file stands behind the header afterwards.

@@ -9,10 +9,7 @@ use super::contents::Contents;
 use super::header::{HEADER_LENGTH, Header, Section};
 use super::*;
 
-const GOLDEN: &str = concat!(
-    env!("CARGO_MANIFEST_DIR"),
-    "/tests-data/checkpoint-v1.meniscus"
-);
+const GOLDEN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests-data/checkpoint-v1.meniscus");
 
 fn column(name: &str, symbol: &str, unit: &str, role: Role, data: Data) -> Column {
     Column {
@@ -29,10 +26,7 @@ fn column(name: &str, symbol: &str, unit: &str, role: Role, data: Data) -> Colum
 fn sample(particles: u32) -> Checkpoint {
     let radius = (0..particles).map(|i| 0.25 * f64::from(i)).collect();
     let mut strain: Vec<f64> = (0..particles).map(|i| -f64::from(i)).collect();
-    for (value, awkward) in strain
-        .iter_mut()
-        .zip([f64::MIN_POSITIVE / 2.0, f64::INFINITY, -0.0])
-    {
+    for (value, awkward) in strain.iter_mut().zip([f64::MIN_POSITIVE / 2.0, f64::INFINITY, -0.0]) {
         *value = awkward;
     }
     Checkpoint {
@@ -47,13 +41,7 @@ fn sample(particles: u32) -> Checkpoint {
         columns: vec![
             column("radius", "r", "m", Role::State, Data::F64(radius)),
             column("strain", "ε", "", Role::Derived, Data::F64(strain)),
-            column(
-                "identity",
-                "i",
-                "",
-                Role::State,
-                Data::U32((0..particles).rev().collect()),
-            ),
+            column("identity", "i", "", Role::State, Data::U32((0..particles).rev().collect())),
         ],
     }
 }
@@ -70,11 +58,7 @@ fn written(particles: u32) -> (tempfile::TempDir, PathBuf, Checkpoint) {
 fn check(bytes: &[u8]) -> Result<(), CheckpointError> {
     let path = Path::new("bytes");
     let header = &Header::decode(path, bytes, bytes.len() as u64)?;
-    let contents = Contents {
-        path,
-        bytes,
-        header,
-    };
+    let contents = Contents { path, bytes, header };
     contents.preface()?;
     contents.verified_columns().map(|_| ())
 }
@@ -184,16 +168,9 @@ fn a_forged_header_is_refused_without_allocating() {
     let (_folder, path, _) = written(5);
     let original = fs::read(&path).unwrap();
     for length in [1 << 40, 1 << 62, u64::MAX - 5000, u64::MAX] {
-        let section = Section {
-            length,
-            checksum: 0,
-        };
+        let section = Section { length, checksum: 0 };
         for (preface, columns) in [(section, Section::default()), (section, section)] {
-            let header = Header {
-                preface,
-                columns,
-                ..Header::default()
-            };
+            let header = Header { preface, columns, ..Header::default() };
             let forged = [&header.encode(), &original[HEADER_LENGTH..]].concat();
             fs::write(&path, forged).unwrap();
             assert!(matches!(read(&path), Err(CheckpointError::Length { .. })));
@@ -218,10 +195,7 @@ fn a_table_that_is_none_is_not_written() {
     let before = fs::read(&path).unwrap();
     checkpoint.columns[1].data = Data::F64(vec![0.0; 4]);
     let error = write(&path, &checkpoint).unwrap_err().to_string();
-    assert!(
-        error.contains("`strain` has 4 values, expected 5"),
-        "{error}"
-    );
+    assert!(error.contains("`strain` has 4 values, expected 5"), "{error}");
     checkpoint.columns[1] = checkpoint.columns[0].clone();
     let error = write(&path, &checkpoint).unwrap_err().to_string();
     assert!(error.contains("two columns named `radius`"), "{error}");

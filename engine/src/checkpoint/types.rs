@@ -44,9 +44,7 @@ impl Clock {
     /// The scalar of this name, if there is one.
     pub fn scalar(&self, name: &str) -> Option<f64> {
         let mut scalars = self.scalars.iter();
-        scalars
-            .find(|(other, _)| other == name)
-            .map(|&(_, value)| value)
+        scalars.find(|(other, _)| other == name).map(|&(_, value)| value)
     }
 }
 

@@ -27,18 +27,14 @@ pub(super) const UNFINISHED: &str = ".unfinished";
 /// `path` named before is then still there, unchanged.
 pub fn write(path: &Path, checkpoint: &Checkpoint) -> Result<(), CheckpointError> {
     let lengths = checkpoint.columns.iter();
-    check_columns(
-        path,
-        lengths.map(|column| (column.name.as_str(), column.data.len())),
-    )?;
+    check_columns(path, lengths.map(|column| (column.name.as_str(), column.data.len())))?;
     let folder = match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
     };
-    let mut temporary = temporary_file(folder)
-        .map_err(CheckpointError::io(folder, "create a file in the folder"))?;
-    fill(temporary.as_file_mut(), checkpoint)
-        .map_err(CheckpointError::io(path, "write the checkpoint"))?;
+    let mut temporary =
+        temporary_file(folder).map_err(CheckpointError::io(folder, "create a file in the folder"))?;
+    fill(temporary.as_file_mut(), checkpoint).map_err(CheckpointError::io(path, "write the checkpoint"))?;
     temporary
         .persist(path)
         .map_err(|error| CheckpointError::io(path, "rename the finished file")(error.error))?;
@@ -56,17 +52,8 @@ fn temporary_file(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
 }
 
 fn fill(file: &mut File, checkpoint: &Checkpoint) -> io::Result<()> {
-    let Checkpoint {
-        clock,
-        scene,
-        revision,
-        columns,
-    } = checkpoint;
-    let preface = Preface {
-        clock: clock.clone(),
-        scene: scene.clone(),
-        revision: revision.clone(),
-    };
+    let Checkpoint { clock, scene, revision, columns } = checkpoint;
+    let preface = Preface { clock: clock.clone(), scene: scene.clone(), revision: revision.clone() };
     let mut output = BufWriter::new(&mut *file);
     // Zeros hold the header's place until the checksums are known.
     output.write_all(&[0; HEADER_LENGTH])?;
@@ -91,21 +78,13 @@ fn write_section<W: Write>(
     output: W,
     value: &impl for<'a> Serialize<HighSerializer<IoWriter<Hashed<W>>, ArenaHandle<'a>, BoxedError>>,
 ) -> io::Result<Section> {
-    let hashed = Hashed {
-        inner: output,
-        hasher: Xxh3::new(),
-        length: 0,
-    };
-    let mut hashed = to_bytes_in::<_, BoxedError>(value, IoWriter::new(hashed))
-        .map_err(io::Error::other)?
-        .into_inner();
+    let hashed = Hashed { inner: output, hasher: Xxh3::new(), length: 0 };
+    let mut hashed =
+        to_bytes_in::<_, BoxedError>(value, IoWriter::new(hashed)).map_err(io::Error::other)?.into_inner();
     let length = hashed.length;
     let padding = length.next_multiple_of(HEADER_LENGTH as u64) - length;
     hashed.write_all(&[0; HEADER_LENGTH][..padding as usize])?;
-    Ok(Section {
-        length,
-        checksum: hashed.hasher.digest(),
-    })
+    Ok(Section { length, checksum: hashed.hasher.digest() })
 }
 
 /// Passes bytes on, counting and hashing them.

@@ -19,10 +19,7 @@ pub struct Crowding {
 impl Crowding {
     /// Writes the two components; `theta` is the smoothing length parameter.
     pub fn new(wiring: &mut Wiring, theta: f64) -> Self {
-        let crowding = [
-            wiring.write(&fields::CROWDING_R),
-            wiring.write(&fields::CROWDING_Z),
-        ];
+        let crowding = [wiring.write(&fields::CROWDING_R), wiring.write(&fields::CROWDING_Z)];
         Crowding { theta, crowding }
     }
 }
@@ -53,7 +50,7 @@ impl<R: FlowState> PairTerm<R, Contact> for Crowding {
         let ratio = shape(inside) / regular;
         let square = ratio * ratio;
         let factor = Lanes::splat(0.2).mul_add(square * square, Lanes::ONE);
-        let weight = factor * b.flow().area * pair.kernel;
+        let weight = factor * pair.area_kernel;
         sum[0] = weight.mul_add(pair.dr, sum[0]);
         sum[1] = weight.mul_add(pair.dz, sum[1]);
     }

@@ -19,10 +19,7 @@ pub struct DensityRate<G> {
 impl<G: Geometry> DensityRate<G> {
     /// Writes the strain rate.
     pub fn new(wiring: &mut Wiring, geometry: G) -> Self {
-        DensityRate {
-            geometry,
-            strain_rate: wiring.write(&fields::STRAIN_RATE),
-        }
+        DensityRate { geometry, strain_rate: wiring.write(&fields::STRAIN_RATE) }
     }
 }
 
@@ -37,15 +34,13 @@ impl<R: FlowState, G: Geometry> PairTerm<R, Contact> for DensityRate<G> {
 
     #[inline(always)]
     fn add(&self, _: &R, _: &R, pair: &Contact, sum: &mut Lanes) {
-        *sum = (pair.weight * pair.kernel).mul_add(pair.rise, *sum);
+        *sum = pair.weight_kernel.mul_add(pair.rise, *sum);
     }
 
     #[inline(always)]
     fn finish(&self, a: &R, sum: Lanes, results: &mut [Lanes]) {
         let flow = a.flow();
-        results[0] = flow
-            .velocity_r
-            .mul_add(self.geometry.inverse_radius(flow), sum);
+        results[0] = flow.velocity_r.mul_add(self.geometry.inverse_radius(flow), sum);
     }
 
     fn outputs(&self, columns: &mut ArrayVec<Write<f64>, MOST_OUTPUTS>) {

@@ -20,10 +20,7 @@ pub struct GhostWeight<G> {
 impl<G: Geometry> GhostWeight<G> {
     /// Writes the weight vector.
     pub fn new(wiring: &mut Wiring, geometry: G) -> Self {
-        let weight = [
-            wiring.write(&fields::GHOST_WEIGHT_R),
-            wiring.write(&fields::GHOST_WEIGHT_Z),
-        ];
+        let weight = [wiring.write(&fields::GHOST_WEIGHT_R), wiring.write(&fields::GHOST_WEIGHT_Z)];
         GhostWeight { geometry, weight }
     }
 }
@@ -39,9 +36,9 @@ impl<R: FlowState, G: Geometry> PairTerm<R, Contact> for GhostWeight<G> {
 
     #[inline(always)]
     fn add(&self, _: &R, _: &R, pair: &Contact, sum: &mut [Lanes; 2]) {
-        let weight = pair.weight * pair.kernel;
-        sum[0] = weight.neg_mul_add(pair.dr, sum[0]);
-        sum[1] = weight.neg_mul_add(pair.dz, sum[1]);
+        let weight = pair.weight_kernel;
+        sum[0] -= weight * pair.dr;
+        sum[1] -= weight * pair.dz;
     }
 
     #[inline(always)]

@@ -18,9 +18,7 @@ impl MomentMatrix {
     /// Writes L_rr, L_rz and L_zz.
     pub fn new(wiring: &mut Wiring) -> Self {
         let moment = [&fields::MOMENT_RR, &fields::MOMENT_RZ, &fields::MOMENT_ZZ];
-        MomentMatrix {
-            moment: moment.map(|field| wiring.write(field)),
-        }
+        MomentMatrix { moment: moment.map(|field| wiring.write(field)) }
     }
 }
 
@@ -34,8 +32,8 @@ impl<R: FlowState> PairTerm<R, Contact> for MomentMatrix {
     }
 
     #[inline(always)]
-    fn add(&self, _: &R, b: &R, pair: &Contact, sum: &mut [Lanes; 3]) {
-        let weight = b.flow().area * pair.kernel;
+    fn add(&self, _: &R, _: &R, pair: &Contact, sum: &mut [Lanes; 3]) {
+        let weight = pair.area_kernel;
         let (r, z) = (weight * pair.dr, weight * pair.dz);
         sum[0] = r.mul_add(pair.dr, sum[0]);
         sum[1] = r.mul_add(pair.dz, sum[1]);

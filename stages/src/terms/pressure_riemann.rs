@@ -24,14 +24,8 @@ impl<G: Geometry> PressureRiemann<G> {
     pub fn new(wiring: &mut Wiring, geometry: G) -> Self {
         PressureRiemann {
             geometry,
-            force: [
-                wiring.write(&fields::FORCE_R),
-                wiring.write(&fields::FORCE_Z),
-            ],
-            dissipation: [
-                wiring.write(&fields::DISSIPATION_R),
-                wiring.write(&fields::DISSIPATION_Z),
-            ],
+            force: [wiring.write(&fields::FORCE_R), wiring.write(&fields::FORCE_Z)],
+            dissipation: [wiring.write(&fields::DISSIPATION_R), wiring.write(&fields::DISSIPATION_Z)],
         }
     }
 }
@@ -47,7 +41,7 @@ impl<R: FlowState, G: Geometry> PairTerm<R, Contact> for PressureRiemann<G> {
 
     #[inline(always)]
     fn add(&self, _: &R, _: &R, pair: &Contact, sum: &mut [Lanes; 4]) {
-        let weight = pair.weight * pair.kernel;
+        let weight = pair.weight_kernel;
         let (r, z) = (weight * pair.dr, weight * pair.dz);
         sum[0] = r.neg_mul_add(pair.pressure, sum[0]);
         sum[1] = z.neg_mul_add(pair.pressure, sum[1]);
@@ -58,9 +52,7 @@ impl<R: FlowState, G: Geometry> PairTerm<R, Contact> for PressureRiemann<G> {
     #[inline(always)]
     fn finish(&self, a: &R, sum: [Lanes; 4], results: &mut [Lanes]) {
         let flow = a.flow();
-        results[0] = flow
-            .pressure
-            .mul_add(self.geometry.hoop_force(flow), sum[0]);
+        results[0] = flow.pressure.mul_add(self.geometry.hoop_force(flow), sum[0]);
         results[1..4].copy_from_slice(&sum[1..4]);
     }
 

@@ -24,9 +24,7 @@ impl VelocitySum {
             &fields::VELOCITY_SUM_ZR,
             &fields::VELOCITY_SUM_ZZ,
         ];
-        VelocitySum {
-            sum: sum.map(|field| wiring.write(field)),
-        }
+        VelocitySum { sum: sum.map(|field| wiring.write(field)) }
     }
 }
 
@@ -42,7 +40,7 @@ impl<R: FlowState> PairTerm<R, Contact> for VelocitySum {
     #[inline(always)]
     fn add(&self, a: &R, b: &R, pair: &Contact, sum: &mut [Lanes; 4]) {
         let (a, b) = (a.flow(), b.flow());
-        let weight = b.area * pair.kernel;
+        let weight = pair.area_kernel;
         let (r, z) = (weight * pair.dr, weight * pair.dz);
         let (du, dw) = (b.velocity_r - a.velocity_r, b.velocity_z - a.velocity_z);
         sum[0] = du.mul_add(r, sum[0]);
