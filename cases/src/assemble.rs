@@ -1,8 +1,6 @@
 //! From a scene's choices to a pipeline: one line a stage, with the reason why it is in or left out.
 
-use crate::scene::{
-    AxisTreatment, Curvature, Flux, Method, ReferencePressure, Scheme, TimeIntegration,
-};
+use crate::scene::{AxisTreatment, Curvature, Flux, Method, ReferencePressure, Scheme, TimeIntegration};
 use meniscus_engine::neighbours::Domain;
 use meniscus_engine::pairs::{PairPass, PairTerm};
 use meniscus_engine::pipeline::{Pipeline, Stage};
@@ -19,7 +17,7 @@ use meniscus_stages::ghost_coupling::GhostCoupling;
 use meniscus_stages::initial_pressure::InitialPressure;
 use meniscus_stages::integrate::{self, Courant, Integrate};
 use meniscus_stages::kernel_correction::KernelCorrection;
-use meniscus_stages::record::{FlowRecord, FlowState, GradientRecord};
+use meniscus_stages::record::{DeformationRecord, FlowRecord, FlowState};
 use meniscus_stages::reference_pressure;
 use meniscus_stages::shifting::{Shifting, Strength};
 use meniscus_stages::sort_bin::SortBin;
@@ -90,33 +88,19 @@ pub fn assemble(physics: &Physics) -> Result<Assembly, WiringError> {
         largest_size: 2.0 * physics.particle_size,
     };
     let colour = Arc::new(Mutex::new(ColourField::default()));
-    let mut builder = Builder {
-        physics,
-        packing,
-        colour,
-        wiring: Wiring::new(),
-        plan: Vec::new(),
-    };
+    let mut builder = Builder { physics, packing, colour, wiring: Wiring::new(), plan: Vec::new() };
     let stages = builder.step();
     builder.wiring.check()?;
     let plan = std::mem::take(&mut builder.plan);
     let start = builder.start();
-    Ok(Assembly {
-        wiring: builder.wiring,
-        pipeline: Pipeline::new(start, stages),
-        plan,
-    })
+    Ok(Assembly { wiring: builder.wiring, pipeline: Pipeline::new(start, stages), plan })
 }
 
 impl Builder<'_> {
     /// Notes a stage in the plan; whether it is in.
     fn plan(&mut self, stage: &'static str, present: bool, reasons: (&str, &str)) -> bool {
         let reason = if present { reasons.0 } else { reasons.1 }.to_string();
-        self.plan.push(PlanLine {
-            stage,
-            present,
-            reason,
-        });
+        self.plan.push(PlanLine { stage, present, reason });
         present
     }
 
@@ -138,12 +122,7 @@ impl Builder<'_> {
 
     fn state(&mut self) -> Box<dyn Stage> {
         let two_rows = self.two_rows();
-        Box::new(State::new(
-            &mut self.wiring,
-            self.physics.equation,
-            self.packing,
-            two_rows,
-        ))
+        Box::new(State::new(&mut self.wiring, self.physics.equation, self.packing, two_rows))
     }
 
     fn sort(&mut self) -> Box<dyn Stage> {
@@ -159,76 +138,34 @@ impl Builder<'_> {
     fn step(&mut self) -> Stages {
         let method = self.physics.method.clone();
         let mut stages = Stages::new();
-        self.plan(
-            "sort-bin",
-            true,
-            (
-                "neighbours and memory order, anew when the skin is used up",
-                "",
-            ),
-        );
+        self.plan("sort-bin", true, ("neighbours and memory order, anew when the skin is used up", ""));
         stages.push(self.sort());
-        self.plan(
-            "equation-of-state",
-            true,
-            ("pressure from density, packed rows", ""),
-        );
+        self.plan("equation-of-state", true, ("pressure from density, packed rows", ""));
         stages.push(self.state());
         self.plan("flux", true, (&self.describe_flux(), ""));
         stages.push(self.flux());
-        self.plan(
-            "boundary-detect",
-            true,
-            ("the liquid has a free surface", ""),
-        );
+        self.plan("boundary-detect", true, ("the liquid has a free surface", ""));
         stages.push(self.boundary());
-        let reasons = (
-            "surface tension is above zero",
-            "there is no surface tension",
-        );
+        let reasons = ("surface tension is above zero", "there is no surface tension");
         if self.plan("curvature", self.with_tension(), reasons) {
             stages.push(self.curvature());
         }
-        self.plan(
-            "ghost-coupling",
-            true,
-            ("the outside pressure acts at the free surface", ""),
-        );
+        self.plan("ghost-coupling", true, ("the outside pressure acts at the free surface", ""));
         let with_tension = self.with_tension();
-        stages.push(Box::new(GhostCoupling::new(
-            &mut self.wiring,
-            0.0,
-            with_tension,
-        )));
+        stages.push(Box::new(GhostCoupling::new(&mut self.wiring, 0.0, with_tension)));
         let tangential = self.with_slope();
-        let reasons = (
-            "ghosts carry no gradient along the surface",
-            "not asked for, or no colour field",
-        );
+        let reasons = ("ghosts carry no gradient along the surface", "not asked for, or no colour field");
         if self.plan("tangential-pressure", tangential, reasons) {
             stages.push(Box::new(TangentialPressure::new(&mut self.wiring)));
         }
-        let reasons = (
-            "the pair sum of the strain is short at the surface",
-            "not asked for",
-        );
+        let reasons = ("the pair sum of the strain is short at the surface", "not asked for");
         if self.plan("strain-correction", self.corrects_strain(), reasons) {
             stages.push(Box::new(StrainCorrection::new(&mut self.wiring)));
         }
-        self.plan(
-            "correction",
-            true,
-            ("surface forces join; they must not move the whole", ""),
-        );
-        stages.push(Box::new(MomentumCorrection::new(
-            &mut self.wiring,
-            method.momentum_correction,
-        )));
+        self.plan("correction", true, ("surface forces join; they must not move the whole", ""));
+        stages.push(Box::new(MomentumCorrection::new(&mut self.wiring, method.momentum_correction)));
         let reference = method.reference_pressure == ReferencePressure::Component;
-        let reasons = (
-            "a constant pressure must not act on the packing's disorder",
-            "not asked for",
-        );
+        let reasons = ("a constant pressure must not act on the packing's disorder", "not asked for");
         if self.plan("reference-pressure", reference, reasons) {
             let stage = reference_pressure::ReferencePressure::new(&mut self.wiring, self.packing);
             stages.push(Box::new(stage));
@@ -237,19 +174,13 @@ impl Builder<'_> {
         if self.plan("kernel-correction", method.kernel_correction, reasons) {
             stages.push(Box::new(KernelCorrection::new(&mut self.wiring)));
         }
-        let reasons = (
-            "the flux reconstructs velocities",
-            "the first-order flux needs no gradients",
-        );
+        let reasons = ("the flux reconstructs velocities", "the first-order flux needs no gradients");
         if self.plan("velocity-gradient", self.reconstructs(), reasons) {
             stages.push(Box::new(VelocityGradient::new(&mut self.wiring)));
         }
         self.plan("integrate", true, ("time moves on", ""));
         stages.push(self.integrate());
-        let reasons = (
-            "asked for with a positive coefficient",
-            "its coefficient is zero",
-        );
+        let reasons = ("asked for with a positive coefficient", "its coefficient is zero");
         if self.plan("shifting", method.shifting > 0.0, reasons) {
             let strength = Strength {
                 coefficient: method.shifting,
@@ -267,8 +198,7 @@ impl Builder<'_> {
         let mut stages = vec![self.sort(), self.state(), self.flux(), self.boundary()];
         if self.with_tension() {
             stages.push(self.curvature());
-            let with_reference =
-                self.physics.method.reference_pressure == ReferencePressure::Component;
+            let with_reference = self.physics.method.reference_pressure == ReferencePressure::Component;
             let (equation, packing) = (self.physics.equation, self.packing);
             let stage = InitialPressure::new(&mut self.wiring, equation, packing, with_reference);
             stages.push(Box::new(stage));
@@ -285,21 +215,12 @@ impl Builder<'_> {
         let colour = method.colour_guard > 0.0 || self.colour_curvature();
         let guard = colour.then(|| ColourGuard {
             field: self.colour.clone(),
-            highest: if method.colour_guard > 0.0 {
-                method.colour_guard
-            } else {
-                f64::INFINITY
-            },
+            highest: if method.colour_guard > 0.0 { method.colour_guard } else { f64::INFINITY },
             support: method.colour_support,
             slack: 0.5 * self.skin(),
         });
         let interval = method.curvature_interval;
-        Box::new(BoundaryDetect::new(
-            &mut self.wiring,
-            self.packing,
-            interval,
-            guard,
-        ))
+        Box::new(BoundaryDetect::new(&mut self.wiring, self.packing, interval, guard))
     }
 
     fn colour_curvature(&self) -> bool {
@@ -314,8 +235,7 @@ impl Builder<'_> {
         let (method, surface_tension) = (&self.physics.method, self.physics.surface_tension);
         if method.curvature == Curvature::NormalDivergence {
             let theta = method.normal_theta;
-            let stage =
-                CurvatureNormals::new(&mut self.wiring, self.packing, surface_tension, theta);
+            let stage = CurvatureNormals::new(&mut self.wiring, self.packing, surface_tension, theta);
             return Box::new(stage);
         }
         let settings = ColourCurvature {
@@ -324,12 +244,7 @@ impl Builder<'_> {
             interval: method.curvature_interval,
             with_slope: self.with_slope(),
         };
-        Box::new(CurvatureColour::new(
-            &mut self.wiring,
-            self.packing,
-            settings,
-            self.colour.clone(),
-        ))
+        Box::new(CurvatureColour::new(&mut self.wiring, self.packing, settings, self.colour.clone()))
     }
 
     fn integrate(&mut self) -> Box<dyn Stage> {
@@ -352,17 +267,10 @@ impl Builder<'_> {
             (Scheme::Parshikov, _) => "Parshikov's weights".to_string(),
             (_, AxisTreatment::Conservative) => "harmonic-mean weights".to_string(),
             (_, AxisTreatment::Parshikov) => {
-                format!(
-                    "harmonic-mean weights, Parshikov's within {} h of the axis",
-                    method.axis_factor
-                )
+                format!("harmonic-mean weights, Parshikov's within {} h of the axis", method.axis_factor)
             }
         };
-        let flux = if self.reconstructs() {
-            "reconstructed velocities"
-        } else {
-            "first-order flux"
-        };
+        let flux = if self.reconstructs() { "reconstructed velocities" } else { "first-order flux" };
         format!("all pair sums in one traversal: {weights}, {flux}")
     }
 
@@ -372,10 +280,7 @@ impl Builder<'_> {
         match (self.physics.method.scheme, self.physics.method.axis) {
             (Scheme::Parshikov, _) => self.flux_with(Parshikov { origin }),
             (_, AxisTreatment::Conservative) => self.flux_with(HarmonicMean { origin }),
-            (_, AxisTreatment::Parshikov) => self.flux_with(NearAxisParshikov {
-                origin,
-                axis_factor,
-            }),
+            (_, AxisTreatment::Parshikov) => self.flux_with(NearAxisParshikov { origin, axis_factor }),
         }
     }
 
@@ -383,9 +288,9 @@ impl Builder<'_> {
         if self.reconstructs() {
             // beta = min(1, 300 |J_r|/C) (method.md, section 10, "Coalescence, later").
             let sharpness = 300.0 / self.physics.equation.sound_speed;
-            self.terms::<GradientRecord, _, _>(geometry, Limited { sharpness })
+            self.terms::<DeformationRecord, _, _>(geometry, Limited { sharpness })
         } else if self.two_rows() {
-            self.terms::<GradientRecord, _, _>(geometry, FirstOrder)
+            self.terms::<DeformationRecord, _, _>(geometry, FirstOrder)
         } else {
             self.terms::<FlowRecord, _, _>(geometry, FirstOrder)
         }
@@ -399,34 +304,18 @@ impl Builder<'_> {
     {
         let wiring = &mut self.wiring;
         wiring.stage("flux");
-        let flow = (
-            DensityRate::new(wiring, geometry),
-            PressureRiemann::new(wiring, geometry),
-        );
-        let edge = (
-            MomentMatrix::new(wiring),
-            GhostWeight::new(wiring, geometry),
-        );
+        let flow = (DensityRate::new(wiring, geometry), PressureRiemann::new(wiring, geometry));
+        let edge = (MomentMatrix::new(wiring), GhostWeight::new(wiring, geometry));
         let theta = self.physics.method.theta;
         let with_sum = self.reconstructs() || self.corrects_strain();
-        let problem = ContactProblem {
-            geometry,
-            reconstruction,
-        };
+        let problem = ContactProblem { geometry, reconstruction };
         let wiring = &mut self.wiring;
         match (with_sum, self.physics.method.shifting > 0.0) {
             (false, false) => pass::<R, _, _, _>(problem, (flow, edge)),
             (true, false) => pass::<R, _, _, _>(problem, (flow, edge, VelocitySum::new(wiring))),
-            (false, true) => {
-                pass::<R, _, _, _>(problem, (flow, edge, Crowding::new(wiring, theta)))
-            }
+            (false, true) => pass::<R, _, _, _>(problem, (flow, edge, Crowding::new(wiring, theta))),
             (true, true) => {
-                let terms = (
-                    flow,
-                    edge,
-                    VelocitySum::new(wiring),
-                    Crowding::new(wiring, theta),
-                );
+                let terms = (flow, edge, VelocitySum::new(wiring), Crowding::new(wiring, theta));
                 pass::<R, _, _, _>(problem, terms)
             }
         }

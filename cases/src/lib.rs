@@ -2,6 +2,7 @@
 //! the exact solutions that they are measured against.
 
 pub mod assemble;
+pub mod measure;
 pub mod packing;
 pub mod region;
 pub mod scene;

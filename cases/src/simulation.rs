@@ -1,5 +1,7 @@
 //! A scene in motion: filled with particles, settled, then stepped.
 
+mod restart;
+
 use crate::assemble::{Assembly, Physics, PlanLine, assemble};
 use crate::packing::{PackingError, PackingOptions, pack};
 use crate::region::Region;
@@ -57,26 +59,17 @@ impl Physics {
     /// What a scene models.
     pub fn of(scene: &Scene) -> Physics {
         let sound_speed = scene.derived_sound_speed();
-        let bottom = scene
-            .bodies
-            .iter()
-            .map(|b| b.shape.bounds()[2])
-            .fold(f64::INFINITY, f64::min);
+        let bottom = scene.bodies.iter().map(|b| b.shape.bounds()[2]).fold(f64::INFINITY, f64::min);
         Physics {
             method: scene.method.clone(),
-            equation: Linear {
-                sound_speed,
-                reference_density: scene.liquid.density,
-            },
+            equation: Linear { sound_speed, reference_density: scene.liquid.density },
             surface_tension: scene.liquid.surface_tension,
             domain: Domain {
                 origin: scene.domain.origin,
                 period: scene.domain.period.map(|length| (bottom, length)),
             },
             particle_size: scene.particle_size,
-            shifting_speed: scene
-                .fastest_initial_speed()
-                .max(scene.capillary_velocity()),
+            shifting_speed: scene.fastest_initial_speed().max(scene.capillary_velocity()),
         }
     }
 }
@@ -90,12 +83,7 @@ struct Seeds {
 }
 
 fn seed(scene: &Scene) -> Result<Seeds, StartError> {
-    let mut seeds = Seeds {
-        r: Vec::new(),
-        z: Vec::new(),
-        mass: Vec::new(),
-        body: Vec::new(),
-    };
+    let mut seeds = Seeds { r: Vec::new(), z: Vec::new(), mass: Vec::new(), body: Vec::new() };
     let origin = scene.domain.origin;
     for (k, body) in scene.bodies.iter().enumerate() {
         let options = PackingOptions {
@@ -104,15 +92,11 @@ fn seed(scene: &Scene) -> Result<Seeds, StartError> {
             volume: (origin > 0.0).then(|| body.shape.volume_about(origin)),
             ..PackingOptions::new(scene.particle_size)
         };
-        let packing = pack(&body.shape, &options).map_err(|source| StartError::Packing {
-            body: k + 1,
-            source,
-        })?;
+        let packing =
+            pack(&body.shape, &options).map_err(|source| StartError::Packing { body: k + 1, source })?;
         let density = scene.liquid.density;
         let mass = |(r, area): (&f64, &f64)| density * 2.0 * PI * (r + origin) * area;
-        seeds
-            .mass
-            .extend(packing.r.iter().zip(&packing.area).map(mass));
+        seeds.mass.extend(packing.r.iter().zip(&packing.area).map(mass));
         seeds.body.extend(std::iter::repeat_n(k, packing.r.len()));
         seeds.r.extend(packing.r);
         seeds.z.extend(packing.z);
@@ -152,20 +136,11 @@ impl Simulation {
     }
 
     fn of_seeds(physics: &Physics, seeds: &Seeds, density: f64) -> Result<Self, StartError> {
-        let Assembly {
-            wiring,
-            pipeline,
-            plan,
-        } = assemble(physics)?;
+        let Assembly { wiring, pipeline, plan } = assemble(physics)?;
         let mut store = wiring.allocate(seeds.r.len());
         place(&mut store, seeds, density);
         let world = World::new(store, Clock::default());
-        Ok(Simulation {
-            physics: physics.clone(),
-            world,
-            plan,
-            pipeline,
-        })
+        Ok(Simulation { physics: physics.clone(), world, plan, pipeline })
     }
 
     fn begin(&mut self) -> Result<(), Fault> {
@@ -187,16 +162,13 @@ impl Simulation {
         let column = |store: &Store, name: &str| store.by_name::<f64>(name).map(|v| v.to_vec());
         let r = column(store, fields::RADIUS.description.name).unwrap_or_default();
         let z = column(store, fields::AXIAL.description.name).unwrap_or_default();
-        let identity = store
-            .by_name::<u32>(fields::IDENTITY.description.name)
-            .map(|v| v.to_vec());
+        let identity = store.by_name::<u32>(fields::IDENTITY.description.name).map(|v| v.to_vec());
         let identity = identity.unwrap_or_default();
         let velocity = |i: usize| {
             let body = &scene.bodies[seeds.body[identity[i] as usize]];
             body.velocity.at(r[i], z[i])
         };
-        let (radial, axial): (Vec<f64>, Vec<f64>) =
-            (0..r.len()).map(|i| velocity(i).into()).unzip();
+        let (radial, axial): (Vec<f64>, Vec<f64>) = (0..r.len()).map(|i| velocity(i).into()).unzip();
         store.set(fields::VELOCITY_R.description.name, &radial);
         store.set(fields::VELOCITY_Z.description.name, &axial);
     }

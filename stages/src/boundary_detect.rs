@@ -1,6 +1,6 @@
 //! Boundary detection: which particles lie at the free surface, and which have such a neighbour.
 
-use crate::colour_field::{ColourField, Particles};
+use crate::colour_field::{Colour, ColourField, Particles};
 use crate::equation_of_state::Packing;
 use crate::fields;
 use crate::moment::Moment;
@@ -86,14 +86,21 @@ impl BoundaryDetect {
         let mut field = guard.field.lock().expect("no stage panics while it holds the colour field");
         field.refresh(&source, world.neighbours.builds(), guard.slack, &self.packing.domain);
         let (r, z, size, candidates) = (&r[..], &z[..], &size[..], &self.candidates[..]);
-        let (field, largest) = (&*field, self.packing.largest_size);
-        parallel::for_chunks_of(16, candidates.len(), &mut self.accepted[..], |start, accepted| {
-            for (k, accepted) in accepted.iter_mut().enumerate() {
+        let largest = self.packing.largest_size;
+        let mut known = std::mem::take(&mut field.known);
+        known.resize(candidates.len(), (0, Colour::default()));
+        let look = &*field;
+        parallel::for_chunks_of(16, candidates.len(), &mut known[..], |start, known| {
+            for (k, known) in known.iter_mut().enumerate() {
                 let i = candidates[start + k] as usize;
                 let support = guard.support * size[i].min(largest);
-                *accepted = field.at(r[i], z[i], support).value <= guard.highest;
+                *known = (candidates[start + k], look.at(r[i], z[i], support));
             }
         });
+        for (accepted, (_, colour)) in self.accepted.iter_mut().zip(&known) {
+            *accepted = colour.value <= guard.highest;
+        }
+        field.known = known;
     }
 
     fn mark(&self, world: &World) {

@@ -27,6 +27,8 @@ pub struct ColourField {
     z: Vec<f64>,
     area: Vec<f64>,
     slack: f64,
+    /// The field at the places of some particles since the last refresh, in the order of particles.
+    pub known: Vec<(u32, Colour)>,
 }
 
 impl ColourField {
@@ -34,6 +36,7 @@ impl ColourField {
     /// the neighbour list, between which no particle moves farther than `slack`.
     pub fn refresh(&mut self, source: &Particles, list_build: u64, slack: f64, domain: &Domain) {
         let Particles { r, z, area, list_r, list_z, support } = *source;
+        self.known.clear();
         if self.list_build != list_build || self.r.is_empty() {
             self.list_build = list_build;
             self.slack = slack;

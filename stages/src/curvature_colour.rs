@@ -48,6 +48,7 @@ pub struct CurvatureColour {
     slope: Option<[Write<f64>; 2]>,
     flagged: Vec<u32>,
     found: Vec<Found>,
+    slopes: Vec<[f64; 2]>,
     neighbours: SurfaceNeighbours,
 }
 
@@ -83,6 +84,7 @@ impl CurvatureColour {
             slope: settings.with_slope.then(|| slope.map(|field| wiring.write(field))),
             flagged: Vec::new(),
             found: Vec::new(),
+            slopes: Vec::new(),
             neighbours: SurfaceNeighbours::default(),
         }
     }
@@ -99,9 +101,15 @@ impl CurvatureColour {
         let (field, settings, packing) = (&*field, self.settings, self.packing);
         parallel::for_chunks_of(16, flagged.len(), &mut self.found[..], |start, found| {
             for (k, found) in found.iter_mut().enumerate() {
-                let i = flagged[start + k] as usize;
+                let particle = flagged[start + k];
+                let i = particle as usize;
                 let size = size[i].min(packing.largest_size);
-                *found = find(field, [r[i], z[i]], size, &settings, packing.domain.origin);
+                let known = field.known.binary_search_by_key(&particle, |(known, _)| *known);
+                let here = match known {
+                    Ok(place) => field.known[place].1,
+                    Err(_) => field.at(r[i], z[i], settings.support * size),
+                };
+                *found = find(field, here, [r[i], z[i]], size, &settings, packing.domain.origin);
             }
         });
     }
@@ -149,71 +157,128 @@ impl CurvatureColour {
             near.points[1].push(image_z);
         }
         near.bins.build(&near.points[0], &near.points[1], 3.0 * largest);
-        let source = |member: usize| match member.checked_sub(self.flagged.len()) {
-            Some(image) => near.images[image].source as usize,
-            None => member,
+        let (near, flagged, found) = (&self.neighbours, &self.flagged[..], &self.found[..]);
+        let (size, pressure) = (&size[..], &pressure[..]);
+        let slope = |k: usize| {
+            let i = flagged[k] as usize;
+            let reach = 3.0 * size[i].min(largest);
+            let own = [near.r[k], near.z[k], pressure[i]];
+            let there = |member: u32| {
+                let b = flagged[near.source(member as usize)] as usize;
+                (size[b] * size[b], pressure[b])
+            };
+            near.slope(own, reach, found[k].tangent, there)
         };
+        self.slopes.clear();
+        self.slopes.resize(flagged.len(), [0.0; 2]);
+        parallel::for_chunks_of(32, flagged.len(), &mut self.slopes[..], |start, slopes| {
+            for (k, slope_here) in slopes.iter_mut().enumerate() {
+                *slope_here = slope(start + k);
+            }
+        });
         slope_r.fill(0.0);
         slope_z.fill(0.0);
-        for (k, (&i, found)) in self.flagged.iter().zip(&self.found).enumerate() {
-            let i = i as usize;
-            let reach = 3.0 * size[i].min(largest);
-            let (mut upper, mut lower) = (0.0, 0.0);
-            near.bins.near(r[i], z[i], reach, |range| {
-                for &member in &near.bins.members()[range] {
-                    let member = member as usize;
-                    let (dr, dz) = (near.points[0][member] - r[i], near.points[1][member] - z[i]);
-                    let q = dr.hypot(dz) / reach;
-                    if q >= 1.0 || member == k {
-                        continue;
-                    }
-                    let b = self.flagged[source(member)] as usize;
-                    let along = dr * found.tangent[0] + dz * found.tangent[1];
-                    let weight = size[b] * size[b] * (1.0 - q).powi(3);
-                    upper += weight * (pressure[b] - pressure[i]) * along;
+        for (&i, &[r, z]) in flagged.iter().zip(&self.slopes) {
+            (slope_r[i as usize], slope_z[i as usize]) = (r, z);
+        }
+    }
+}
+
+impl SurfaceNeighbours {
+    /// The place in the list of flagged particles behind a member that may be an image.
+    fn source(&self, member: usize) -> usize {
+        match member.checked_sub(self.r.len()) {
+            Some(image) => self.images[image].source as usize,
+            None => member,
+        }
+    }
+
+    /// Weighted least squares of the pressure along the tangent; `there` gives a neighbour's area and
+    /// pressure.
+    fn slope(
+        &self,
+        [r, z, pressure]: [f64; 3],
+        reach: f64,
+        tangent: [f64; 2],
+        there: impl Fn(u32) -> (f64, f64),
+    ) -> [f64; 2] {
+        let (mut upper, mut lower) = (0.0, 0.0);
+        let inverse = 1.0 / reach;
+        self.bins.near(r, z, reach, |range| {
+            for &member in &self.bins.members()[range] {
+                let (dr, dz) = (self.points[0][member as usize] - r, self.points[1][member as usize] - z);
+                let inside = 1.0 - (dr * dr + dz * dz).sqrt() * inverse;
+                if inside > 0.0 {
+                    let (area, other) = there(member);
+                    let along = dr * tangent[0] + dz * tangent[1];
+                    let weight = area * inside * inside * inside;
+                    upper += weight * (other - pressure) * along;
                     lower += weight * along * along;
                 }
-            });
-            if lower > 0.0 {
-                slope_r[i] = found.tangent[0] * upper / lower;
-                slope_z[i] = found.tangent[1] * upper / lower;
             }
-        }
+        });
+        let slope = if lower > 0.0 { upper / lower } else { 0.0 };
+        [tangent[0] * slope, tangent[1] * slope]
     }
 }
 
-/// From a particle at most four Newton steps along grad c to c = 1/2; the curvature there.
-fn find(field: &ColourField, at: [f64; 2], size: f64, settings: &ColourCurvature, origin: f64) -> Found {
+/// Depth below a flat surface over the support radius, from c - 1/2: an odd polynomial fitted to the
+/// inverse of the Wendland C6 kernel's half-plane integral, good to .002 for |c - 1/2| < .46.
+fn depth(excess: f64) -> f64 {
+    let square = excess * excess;
+    excess * (0.520_433_54 + square * (0.997_516_16 + square * (-5.199_207_41 + square * 30.067_918_45)))
+}
+
+/// Most evaluations of the colour field for one particle, the one at its own place included.
+const MOST_EVALUATIONS: usize = 5;
+/// So close to the surface, in particle sizes, what is left of the way is a parallel shift.
+const CLOSE: f64 = 0.1;
+
+/// From a particle, along grad c, to the surface c = 1/2; the curvature there. The first step takes the
+/// depth from the profile of a flat surface, later ones are Newton's.
+fn find(
+    field: &ColourField,
+    here: Colour,
+    at: [f64; 2],
+    size: f64,
+    settings: &ColourCurvature,
+    origin: f64,
+) -> Found {
     let support = settings.support * size;
-    let here = field.at(at[0], at[1], support);
     let length = here.gradient[0].hypot(here.gradient[1]);
+    if length.is_nan() || length <= 0.0 {
+        return Found::default();
+    }
     let tangent = [-here.gradient[1] / length, here.gradient[0] / length];
-    let (mut foot, mut colour) = (at, here);
-    for _ in 0..4 {
-        let square = colour.gradient[0].powi(2) + colour.gradient[1].powi(2);
-        let wanted = (0.5 - colour.value) / square.sqrt();
-        if wanted.abs() < 1e-4 * size {
-            break;
-        }
-        let step = wanted.clamp(-2.0 * size, 2.0 * size) / square.sqrt();
+    let first = support * depth((here.value - 0.5).clamp(-0.46, 0.46));
+    let (mut foot, mut colour, mut inward) = (at, here, -first);
+    for _ in 1..MOST_EVALUATIONS {
+        let step = inward / colour.gradient[0].hypot(colour.gradient[1]);
         foot = [foot[0] + step * colour.gradient[0], foot[1] + step * colour.gradient[1]];
         colour = field.at(foot[0], foot[1], support);
+        inward = (0.5 - colour.value) / colour.gradient[0].hypot(colour.gradient[1]);
+        if inward.abs() < CLOSE * size {
+            break;
+        }
+        inward = inward.clamp(-size, size);
     }
-    let curvature = curvature(&colour, foot[0] + origin, size);
-    // Nothing smaller than a particle is resolved: the sum of both curvatures stays below 2/D.
-    let most = 2.0 / size;
-    let curvature = if curvature.is_finite() { curvature.clamp(-most, most) } else { 0.0 };
-    Found { curvature, tangent: if length > 0.0 { tangent } else { [0.0; 2] } }
+    // Nothing smaller than a particle is resolved: each curvature stays below 1/D.
+    let most = 1.0 / size;
+    let limit = |curvature: f64| if curvature.is_finite() { curvature.clamp(-most, most) } else { 0.0 };
+    // The level set lies `inward` outside of the surface: parallel surfaces' radii differ by that.
+    let [meridional, hoop] = curvatures(&colour, foot[0] + origin, size).map(limit);
+    let at_surface = |curvature: f64| limit(curvature / (1.0 - inward * curvature));
+    Found { curvature: at_surface(meridional) + at_surface(hoop), tangent }
 }
 
-/// kappa = -(c_rr c_z^2 - 2 c_r c_z c_rz + c_zz c_r^2)/|grad c|^3 - c_r/(R |grad c|), with c_rr for
-/// c_r/R on the axis (method.md, section 9).
-fn curvature(colour: &Colour, radius: f64, size: f64) -> f64 {
+/// The principal curvatures of a level set: -(c_rr c_z^2 - 2 c_r c_z c_rz + c_zz c_r^2)/|grad c|^3 and
+/// -c_r/(R |grad c|), with c_rr for c_r/R on the axis (method.md, section 9).
+fn curvatures(colour: &Colour, radius: f64, size: f64) -> [f64; 2] {
     let [r, z] = colour.gradient;
     let [rr, rz, zz] = colour.second;
     let length = r.hypot(z);
     let hoop = if radius.abs() > 1e-3 * size { r / radius } else { rr };
-    -(rr * z * z - 2.0 * r * z * rz + zz * r * r) / length.powi(3) - hoop / length
+    [-(rr * z * z - 2.0 * r * z * rz + zz * r * r) / length.powi(3), -hoop / length]
 }
 
 impl Stage for CurvatureColour {

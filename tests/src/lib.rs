@@ -1,1 +1,6 @@
-//! Helpers of the integration tests.
+//! Helpers of the integration tests: scenes as text, a disordered block of liquid, and the method's
+//! equations written down a second time.
+
+pub mod drops;
+pub mod liquid;
+pub mod reference;

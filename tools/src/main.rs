@@ -1,3 +1,7 @@
 //! The command `meniscus`.
 
-fn main() {}
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    meniscus::command::main()
+}

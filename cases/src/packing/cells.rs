@@ -16,18 +16,10 @@ impl Cells {
     /// Sorts `sources`; within a cell they keep their order, so that sums are reproducible.
     pub fn fill(&mut self, sources: &[Source]) {
         let bound = |axis: usize, pick: fn(f64, f64) -> f64, from: f64| {
-            sources
-                .iter()
-                .fold(from, |bound, source| pick(bound, source.point[axis]))
+            sources.iter().fold(from, |bound, source| pick(bound, source.point[axis]))
         };
-        self.origin = [
-            bound(0, f64::min, f64::INFINITY),
-            bound(1, f64::min, f64::INFINITY),
-        ];
-        let top = [
-            bound(0, f64::max, f64::NEG_INFINITY),
-            bound(1, f64::max, f64::NEG_INFINITY),
-        ];
+        self.origin = [bound(0, f64::min, f64::INFINITY), bound(1, f64::min, f64::INFINITY)];
+        let top = [bound(0, f64::max, f64::NEG_INFINITY), bound(1, f64::max, f64::NEG_INFINITY)];
         self.columns = (top[0] - self.origin[0]) as usize + 1;
         self.rows = (top[1] - self.origin[1]) as usize + 1;
 
@@ -46,13 +38,7 @@ impl Cells {
         }
         self.starts.clone_from(&ends);
         self.sorted.clear();
-        self.sorted.resize(
-            sources.len(),
-            Source {
-                point: [0.0; 2],
-                area: 0.0,
-            },
-        );
+        self.sorted.resize(sources.len(), Source { point: [0.0; 2], area: 0.0 });
         for source in sources {
             let place = &mut ends[cell(source)];
             self.sorted[*place] = *source;
@@ -65,10 +51,7 @@ impl Cells {
         let span = |axis: usize, cells: usize| {
             let place = point[axis] - self.origin[axis];
             // Casting clips negative numbers at zero.
-            (
-                (place - reach) as usize,
-                ((place + reach) as usize).min(cells - 1),
-            )
+            ((place - reach) as usize, ((place + reach) as usize).min(cells - 1))
         };
         let ((left, right), (bottom, top)) = (span(0, self.columns), span(1, self.rows));
         (bottom..=top).flat_map(move |row| {

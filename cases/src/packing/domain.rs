@@ -32,30 +32,18 @@ impl<'a> Domain<'a> {
     pub fn new(region: &'a dyn Region, options: &PackingOptions) -> Result<Self, PackingError> {
         let size = options.particle_size;
         check("the particle size", "positive", size, size > 0.0)?;
-        check(
-            "the origin",
-            "zero or positive",
-            options.origin,
-            options.origin >= 0.0,
-        )?;
+        check("the origin", "zero or positive", options.origin, options.origin >= 0.0)?;
         match options.volume {
             Some(volume) => check("the volume", "positive", volume, volume > 0.0)?,
             None if options.origin > 0.0 => {
-                return Err(PackingError::NoVolume {
-                    origin: options.origin,
-                });
+                return Err(PackingError::NoVolume { origin: options.origin });
             }
             None => {}
         }
         if let Some(period) = options.period {
             // One image on either side must cover the reach of the kernel.
             let enough = period >= 3.0 * size;
-            check(
-                "the period",
-                "at least three particle sizes",
-                period,
-                enough,
-            )?;
+            check("the period", "at least three particle sizes", period, enough)?;
         }
         let [r_min, r_max, z_min, z_max] = region.bounds();
         let finite = region.bounds().iter().all(|bound| bound.is_finite());
@@ -86,13 +74,8 @@ impl<'a> Domain<'a> {
     /// Unit vector along the gradient of the signed distance, and the gradient's length.
     pub fn outward(&self, [r, z]: Point) -> Option<(Point, f64)> {
         const STEP: f64 = 1e-4;
-        let slope = |above, below| {
-            (self.signed_distance(above) - self.signed_distance(below)) / (2.0 * STEP)
-        };
-        let gradient = [
-            slope([r + STEP, z], [r - STEP, z]),
-            slope([r, z + STEP], [r, z - STEP]),
-        ];
+        let slope = |above, below| (self.signed_distance(above) - self.signed_distance(below)) / (2.0 * STEP);
+        let gradient = [slope([r + STEP, z], [r - STEP, z]), slope([r, z + STEP], [r, z - STEP])];
         let length = gradient[0].hypot(gradient[1]);
         (length > 0.01).then(|| ([gradient[0] / length, gradient[1] / length], length))
     }
@@ -121,15 +104,8 @@ impl<'a> Domain<'a> {
         half[longest] /= 2.0;
         lower[longest] -= half[longest];
         upper[longest] += half[longest];
-        let (first, second) = (
-            self.inside(lower, half, smallest),
-            self.inside(upper, half, smallest),
-        );
-        [
-            first[0] + second[0],
-            first[1] + second[1],
-            first[2] + second[2],
-        ]
+        let (first, second) = (self.inside(lower, half, smallest), self.inside(upper, half, smallest));
+        [first[0] + second[0], first[1] + second[1], first[2] + second[2]]
     }
 
     fn particle_count(&self) -> Result<usize, PackingError> {
@@ -137,10 +113,7 @@ impl<'a> Domain<'a> {
         let most = (r_max - r_min) * (z_max - z_min);
         // The bounding box bounds the work of the measurement, too.
         if most > 10.0 * MOST_PARTICLES {
-            return Err(PackingError::TooMany {
-                count: most,
-                limit: MOST_PARTICLES,
-            });
+            return Err(PackingError::TooMany { count: most, limit: MOST_PARTICLES });
         }
         let centre = [(r_min + r_max) / 2.0, (z_min + z_max) / 2.0];
         let half = [(r_max - r_min) / 2.0, (z_max - z_min) / 2.0];
@@ -149,33 +122,15 @@ impl<'a> Domain<'a> {
         if !area.is_finite() {
             Err(PackingError::Region)
         } else if count < 1.0 {
-            Err(PackingError::Empty {
-                particle_size: self.size,
-            })
+            Err(PackingError::Empty { particle_size: self.size })
         } else if count > MOST_PARTICLES {
-            Err(PackingError::TooMany {
-                count,
-                limit: MOST_PARTICLES,
-            })
+            Err(PackingError::TooMany { count, limit: MOST_PARTICLES })
         } else {
             Ok(count as usize)
         }
     }
 }
 
-fn check(
-    name: &'static str,
-    expected: &'static str,
-    value: f64,
-    valid: bool,
-) -> Result<(), PackingError> {
-    if valid && value.is_finite() {
-        Ok(())
-    } else {
-        Err(PackingError::Option {
-            name,
-            expected,
-            value,
-        })
-    }
+fn check(name: &'static str, expected: &'static str, value: f64, valid: bool) -> Result<(), PackingError> {
+    if valid && value.is_finite() { Ok(()) } else { Err(PackingError::Option { name, expected, value }) }
 }

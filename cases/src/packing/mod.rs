@@ -53,14 +53,7 @@ pub struct PackingOptions {
 impl PackingOptions {
     /// The defaults for particles of size `particle_size` (metres): 600 steps, an axis at r = 0.
     pub fn new(particle_size: f64) -> Self {
-        Self {
-            particle_size,
-            iterations: 600,
-            seed: 1,
-            period: None,
-            origin: 0.0,
-            volume: None,
-        }
+        Self { particle_size, iterations: 600, seed: 1, period: None, origin: 0.0, volume: None }
     }
 }
 
@@ -122,10 +115,7 @@ pub fn pack(region: &dyn Region, options: &PackingOptions) -> Result<Packing, Pa
 
     let size = options.particle_size;
     let r: Vec<f64> = points.iter().map(|point| point[0] * size).collect();
-    let z: Vec<f64> = points
-        .iter()
-        .map(|point| domain.metres_z(point[1]))
-        .collect();
+    let z: Vec<f64> = points.iter().map(|point| domain.metres_z(point[1])).collect();
     let ring: f64 = r.iter().map(|r| TAU * (options.origin + r)).sum();
     let found = ring * size * size;
     let expected = options.volume.unwrap_or_else(|| region.volume());

@@ -33,21 +33,9 @@ struct Stage {
 /// 3 the square lattice would win, and single particles stay below the outermost layer unless they
 /// are drawn into it.)
 const STAGES: [Stage; 3] = [
-    Stage {
-        share: 0.4,
-        support: REACH,
-        capture: DEPTH,
-    },
-    Stage {
-        share: 0.4,
-        support: 1.8,
-        capture: 0.75,
-    },
-    Stage {
-        share: 0.2,
-        support: 2.0,
-        capture: 0.75,
-    },
+    Stage { share: 0.4, support: REACH, capture: DEPTH },
+    Stage { share: 0.4, support: 1.8, capture: 0.75 },
+    Stage { share: 0.2, support: 2.0, capture: 0.75 },
 ];
 
 pub(super) fn relax(domain: &Domain, points: &mut [Point], iterations: usize) {
@@ -61,18 +49,15 @@ pub(super) fn relax(domain: &Domain, points: &mut [Point], iterations: usize) {
         end += stage.share * iterations as f64;
         while (done as f64) < end && done < iterations {
             cells.fill(&sources(domain, points, &outside));
-            points
-                .par_iter_mut()
-                .zip(&mut depths)
-                .for_each(|(point, depth)| {
-                    let [push_r, push_z] = gradient(&cells, *point, stage.support);
-                    *point = [point[0] - STEP * push_r, point[1] - STEP * push_z];
-                    *depth -= STEP * push_r.hypot(push_z);
-                    if *depth < stage.capture {
-                        *depth = hold(domain, point, stage.capture);
-                    }
-                    wrap(domain, point);
-                });
+            points.par_iter_mut().zip(&mut depths).for_each(|(point, depth)| {
+                let [push_r, push_z] = gradient(&cells, *point, stage.support);
+                *point = [point[0] - STEP * push_r, point[1] - STEP * push_z];
+                *depth -= STEP * push_r.hypot(push_z);
+                if *depth < stage.capture {
+                    *depth = hold(domain, point, stage.capture);
+                }
+                wrap(domain, point);
+            });
             done += 1;
         }
     }
@@ -103,10 +88,7 @@ pub(super) fn sources(domain: &Domain, points: &[Point], outside: &[Source]) -> 
         for index in 0..sources.len() {
             let Source { point, area } = sources[index];
             if within(point) {
-                sources.push(Source {
-                    point: image(point),
-                    area,
-                });
+                sources.push(Source { point: image(point), area });
             }
         }
     };
@@ -151,19 +133,10 @@ pub(super) fn dust(domain: &Domain) -> Vec<Source> {
         }
         let [inside, moment_r, moment_z] = domain.inside(centre, half, 0.03);
         let area = full - inside;
-        let centroid = [
-            (full * centre[0] - moment_r) / area,
-            (full * centre[1] - moment_z) / area,
-        ];
-        (area > 1e-6 * full).then_some(Source {
-            point: centroid,
-            area,
-        })
+        let centroid = [(full * centre[0] - moment_r) / area, (full * centre[1] - moment_z) / area];
+        (area > 1e-6 * full).then_some(Source { point: centroid, area })
     };
-    (0..columns * rows)
-        .into_par_iter()
-        .filter_map(piece)
-        .collect()
+    (0..columns * rows).into_par_iter().filter_map(piece).collect()
 }
 
 /// Moves `point`, if it is shallower than `capture`, to depth `DEPTH` along the gradient of the

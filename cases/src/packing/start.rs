@@ -23,10 +23,8 @@ pub(super) fn points(domain: &Domain, seed: u64) -> Vec<Point> {
     for index in 0..columns * rows {
         let (row, column) = (index / columns, index % columns);
         let jitter = [random.centred() * JITTER, random.centred() * JITTER];
-        let point = [
-            first_r + column as f64 + 0.5 + jitter[0],
-            first_z + (row as f64 + 0.5 + jitter[1]) * spacing,
-        ];
+        let point =
+            [first_r + column as f64 + 0.5 + jitter[0], first_z + (row as f64 + 0.5 + jitter[1]) * spacing];
         let distance = domain.signed_distance(point);
         if distance < 1.5 {
             candidates.push((distance, index, point));

@@ -28,10 +28,7 @@ pub struct VelocityField {
 impl VelocityField {
     /// No motion.
     pub fn rest() -> Self {
-        Self {
-            radial: Formula::zero(),
-            axial: Formula::zero(),
-        }
+        Self { radial: Formula::zero(), axial: Formula::zero() }
     }
 
     /// Velocity `[U_r, U_z]` in m/s at the point r, z in metres.
@@ -53,9 +50,7 @@ pub(super) fn read<'a>(entry: Entry<'a>, origin: f64) -> Result<(Body, Entry<'a>
         let message = "the body reaches across the axis";
         return Err(place.fault(message, "keep its r above minus the `origin` of [domain]"));
     }
-    let velocity = table.read_or("velocity", VelocityField::rest(), |entry| {
-        read_velocity(entry, &shape)
-    })?;
+    let velocity = table.read_or("velocity", VelocityField::rest(), |entry| read_velocity(entry, &shape))?;
     Ok((Body { shape, velocity }, place))
 }
 
@@ -65,30 +60,17 @@ fn read_velocity(entry: Entry<'_>, shape: &Shape) -> Result<VelocityField, Fault
     let component = |key: &str| {
         table.read_or(key, Formula::zero(), |entry| {
             let formula = entry.field(Some(VELOCITY))?;
-            match shape
-                .interior_points(SAMPLES)
-                .find(|[r, z]| !formula.at(*r, *z).is_finite())
-            {
+            match shape.interior_points(SAMPLES).find(|[r, z]| !formula.at(*r, *z).is_finite()) {
                 None => Ok(formula),
                 Some(point) => Err(not_finite(&entry, &formula, point)),
             }
         })
     };
-    Ok(VelocityField {
-        radial: component("r")?,
-        axial: component("z")?,
-    })
+    Ok(VelocityField { radial: component("r")?, axial: component("z")? })
 }
 
 /// The mistake that a field has no value at a point.
 pub(super) fn not_finite(entry: &Entry<'_>, formula: &Formula, [r, z]: [f64; 2]) -> Fault {
-    let message = format!(
-        "`{}` is {} at r = {r:.3e} m, z = {z:.3e} m",
-        entry.path,
-        formula.at(r, z)
-    );
-    entry.fault(
-        message,
-        "check for divisions by zero, and for roots and logarithms of negative numbers",
-    )
+    let message = format!("`{}` is {} at r = {r:.3e} m, z = {z:.3e} m", entry.path, formula.at(r, z));
+    entry.fault(message, "check for divisions by zero, and for roots and logarithms of negative numbers")
 }

@@ -34,12 +34,10 @@ pub(super) fn check(scene: &Scene, places: &Places<'_>) -> Result<Vec<Fault>, Fa
     for (index, first) in scene.bodies.iter().enumerate() {
         for (second, place) in scene.bodies.iter().zip(places.shapes).skip(index + 1) {
             if let Some([r, z]) = common_point(first, second) {
-                let message =
-                    format!("this body overlaps another one at r = {r:.3e} m, z = {z:.3e} m");
-                return Err(place.fault(
-                    message,
-                    "move the bodies apart, or make them one body with a `union`",
-                ));
+                let message = format!("this body overlaps another one at r = {r:.3e} m, z = {z:.3e} m");
+                return Err(
+                    place.fault(message, "move the bodies apart, or make them one body with a `union`")
+                );
             }
         }
     }
@@ -58,10 +56,7 @@ fn check_resolution(scene: &Scene, body: &Body, size: &Entry<'_>) -> Result<(), 
         Short(fitting),
         Short(extent)
     );
-    let help = format!(
-        "choose a particle size of {} m or less",
-        Short(ROUNDING * extent / FEWEST_PARTICLES)
-    );
+    let help = format!("choose a particle size of {} m or less", Short(ROUNDING * extent / FEWEST_PARTICLES));
     Err(size.fault(message, help))
 }
 
@@ -82,24 +77,16 @@ fn check_period(scene: &Scene, body: &Body, place: &Entry<'_>) -> Result<(), Fau
 
 /// A point inside both bodies, if a line of the grid finds one.
 fn common_point(first: &Body, second: &Body) -> Option<[f64; 2]> {
-    let ([_, _, low, high], [_, _, other_low, other_high]) =
-        (first.shape.bounds(), second.shape.bounds());
+    let ([_, _, low, high], [_, _, other_low, other_high]) = (first.shape.bounds(), second.shape.bounds());
     let (bottom, top) = (low.max(other_low), high.min(other_high));
-    let least = 1e-9
-        * first
-            .shape
-            .smallest_extent()
-            .min(second.shape.smallest_extent());
+    let least = 1e-9 * first.shape.smallest_extent().min(second.shape.smallest_extent());
     if top - bottom <= least {
         return None;
     }
     (0..LINES).find_map(|line| {
         let z = bottom + (top - bottom) * (line as f64 + 0.5) / LINES as f64;
         let common = first.shape.chords(z).intersection(&second.shape.chords(z));
-        common
-            .iter()
-            .find(|[low, high]| high - low > least)
-            .map(|[low, high]| [0.5 * (low + high), z])
+        common.iter().find(|[low, high]| high - low > least).map(|[low, high]| [0.5 * (low + high), z])
     })
 }
 
@@ -108,8 +95,7 @@ fn check_sound_speed(scene: &Scene, place: &Entry<'_>) -> Result<Vec<Fault>, Fau
     let help = "give [liquid] a sound_speed, at least ten times the fastest motion you expect";
     match scene.liquid.sound_speed {
         None if flow == 0.0 && capillary == 0.0 => {
-            let message =
-                "the sound speed cannot be derived: nothing moves and there is no surface tension";
+            let message = "the sound speed cannot be derived: nothing moves and there is no surface tension";
             Err(place.fault(message, help))
         }
         Some(given) if given < 10.0 * flow.max(capillary) => {
@@ -123,10 +109,7 @@ fn check_sound_speed(scene: &Scene, place: &Entry<'_>) -> Result<Vec<Fault>, Fau
                 Short(given),
                 Short(speed)
             );
-            let help = format!(
-                "choose {} m/s or more, or \"auto\"",
-                Short(10.0 * speed / ROUNDING)
-            );
+            let help = format!("choose {} m/s or more, or \"auto\"", Short(10.0 * speed / ROUNDING));
             Ok(vec![place.fault(message, help)])
         }
         _ => Ok(Vec::new()),

@@ -57,41 +57,30 @@ pub enum ReferencePressure {
 }
 
 impl Choice for Scheme {
-    const NAMES: &'static [(&'static str, Self)] = &[
-        ("harmonic-mean", Self::HarmonicMean),
-        ("parshikov", Self::Parshikov),
-    ];
+    const NAMES: &'static [(&'static str, Self)] =
+        &[("harmonic-mean", Self::HarmonicMean), ("parshikov", Self::Parshikov)];
 }
 
 impl Choice for AxisTreatment {
-    const NAMES: &'static [(&'static str, Self)] = &[
-        ("conservative", Self::Conservative),
-        ("parshikov", Self::Parshikov),
-    ];
+    const NAMES: &'static [(&'static str, Self)] =
+        &[("conservative", Self::Conservative), ("parshikov", Self::Parshikov)];
 }
 
 impl Choice for Flux {
-    const NAMES: &'static [(&'static str, Self)] = &[
-        ("reconstructed", Self::Reconstructed),
-        ("first-order", Self::FirstOrder),
-    ];
+    const NAMES: &'static [(&'static str, Self)] =
+        &[("reconstructed", Self::Reconstructed), ("first-order", Self::FirstOrder)];
 }
 
 impl Choice for TimeIntegration {
-    const NAMES: &'static [(&'static str, Self)] = &[
-        ("adams-bashforth", Self::AdamsBashforth),
-        ("euler", Self::Euler),
-    ];
+    const NAMES: &'static [(&'static str, Self)] =
+        &[("adams-bashforth", Self::AdamsBashforth), ("euler", Self::Euler)];
 }
 
 impl Choice for Curvature {
-    const NAMES: &'static [(&'static str, Self)] = &[
-        ("colour-field", Self::ColourField),
-        ("normal-divergence", Self::NormalDivergence),
-    ];
+    const NAMES: &'static [(&'static str, Self)] =
+        &[("colour-field", Self::ColourField), ("normal-divergence", Self::NormalDivergence)];
 }
 
 impl Choice for ReferencePressure {
-    const NAMES: &'static [(&'static str, Self)] =
-        &[("component", Self::Component), ("none", Self::None)];
+    const NAMES: &'static [(&'static str, Self)] = &[("component", Self::Component), ("none", Self::None)];
 }

@@ -37,10 +37,7 @@ impl Compiler<'_> {
             Part::Negate(inner) => {
                 let Formula { code, dimension } = self.formula(inner)?;
                 let known = matches!(code, Code::Constant(_));
-                Ok(Formula {
-                    code: Code::Negate(Box::new(code)).folded(known),
-                    dimension,
-                })
+                Ok(Formula { code: Code::Negate(Box::new(code)).folded(known), dimension })
             }
             Part::Binary(operator, sides) => {
                 let [left, right] = [self.formula(&sides[0])?, self.formula(&sides[1])?];
@@ -53,18 +50,11 @@ impl Compiler<'_> {
     fn name(&self, name: &str, span: Range<usize>) -> Result<Formula, Mistake> {
         let length = Dimension::new(1, 0, 0);
         match (name, (self.meaning)(name)) {
-            ("pi", _) => Ok(Formula::constant_of(Quantity {
-                value: std::f64::consts::PI,
-                dimension: Dimension::NONE,
-            })),
-            ("r", _) if self.spatial => Ok(Formula {
-                code: Code::Radius,
-                dimension: length,
-            }),
-            ("z", _) if self.spatial => Ok(Formula {
-                code: Code::Height,
-                dimension: length,
-            }),
+            ("pi", _) => {
+                Ok(Formula::constant_of(Quantity { value: std::f64::consts::PI, dimension: Dimension::NONE }))
+            }
+            ("r", _) if self.spatial => Ok(Formula { code: Code::Radius, dimension: length }),
+            ("z", _) if self.spatial => Ok(Formula { code: Code::Height, dimension: length }),
             ("r" | "z", _) => Err(Mistake::new(
                 span,
                 format!("`{name}` has no value here"),
@@ -78,11 +68,7 @@ impl Compiler<'_> {
             )),
             (_, Meaning::Unknown) => {
                 let mut known: Vec<&str> = self.known.to_vec();
-                known.extend(
-                    ["pi"]
-                        .iter()
-                        .chain(if self.spatial { &["r", "z"][..] } else { &[] }),
-                );
+                known.extend(["pi"].iter().chain(if self.spatial { &["r", "z"][..] } else { &[] }));
                 Err(Mistake::new(
                     span,
                     format!("unknown name `{name}`"),
@@ -92,61 +78,31 @@ impl Compiler<'_> {
         }
     }
 
-    fn call(
-        &self,
-        name: &str,
-        arguments: &[Node],
-        span: &Range<usize>,
-    ) -> Result<Formula, Mistake> {
+    fn call(&self, name: &str, arguments: &[Node], span: &Range<usize>) -> Result<Formula, Mistake> {
         let Some(function) = Function::find(name) else {
             let help = suggest::help("functions", name, &Function::names());
-            return Err(Mistake::new(
-                span.clone(),
-                format!("unknown function `{name}`"),
-                help,
-            ));
+            return Err(Mistake::new(span.clone(), format!("unknown function `{name}`"), help));
         };
         if arguments.len() != function.arity() {
-            let message = format!(
-                "`{name}` takes {} argument(s), here are {}",
-                function.arity(),
-                arguments.len()
-            );
-            return Err(Mistake::new(
-                span.clone(),
-                message,
-                format!("write {}", function.usage()),
-            ));
+            let message =
+                format!("`{name}` takes {} argument(s), here are {}", function.arity(), arguments.len());
+            return Err(Mistake::new(span.clone(), message, format!("write {}", function.usage())));
         }
-        let formulas = arguments
-            .iter()
-            .map(|argument| self.formula(argument))
-            .collect::<Result<Vec<_>, _>>()?;
+        let formulas =
+            arguments.iter().map(|argument| self.formula(argument)).collect::<Result<Vec<_>, _>>()?;
         let dimension = function.dimension(&formulas).map_err(|problem| {
-            Mistake::new(
-                span.clone(),
-                format!("`{name}` {problem}"),
-                format!("write {}", function.usage()),
-            )
+            Mistake::new(span.clone(), format!("`{name}` {problem}"), format!("write {}", function.usage()))
         })?;
         let known = formulas.iter().all(|formula| formula.constant().is_some());
         let code = match (function, &formulas[0].code) {
-            (Function::Legendre | Function::LegendreDerivative, Code::Constant(degree)) => {
-                Code::Legendre {
-                    degree: *degree as usize,
-                    derivative: function == Function::LegendreDerivative,
-                    argument: Box::new(formulas[1].code.clone()),
-                }
-            }
-            _ => Code::Call(
-                function,
-                formulas.into_iter().map(|formula| formula.code).collect(),
-            ),
+            (Function::Legendre | Function::LegendreDerivative, Code::Constant(degree)) => Code::Legendre {
+                degree: *degree as usize,
+                derivative: function == Function::LegendreDerivative,
+                argument: Box::new(formulas[1].code.clone()),
+            },
+            _ => Code::Call(function, formulas.into_iter().map(|formula| formula.code).collect()),
         };
-        Ok(Formula {
-            code: code.folded(known),
-            dimension,
-        })
+        Ok(Formula { code: code.folded(known), dimension })
     }
 }
 
@@ -157,12 +113,7 @@ fn binary(
     span: &Range<usize>,
 ) -> Result<Formula, Mistake> {
     let fail = |message: String, help: &str| Mistake::new(span.clone(), message, help);
-    let too_high = || {
-        fail(
-            "the exponents of the units grow out of range".to_owned(),
-            "check the powers",
-        )
-    };
+    let too_high = || fail("the exponents of the units grow out of range".to_owned(), "check the powers");
     let dimension = match operator {
         Operator::Add | Operator::Subtract => common_dimension(&left, &right).ok_or_else(|| {
             let (first, second) = (left.dimension.described(), right.dimension.described());
@@ -177,35 +128,24 @@ fn binary(
     };
     let known = left.constant().is_some() && right.constant().is_some();
     let code = match (operator, &right.code) {
-        (Operator::Power, Code::Constant(exponent))
-            if exponent.fract() == 0.0 && exponent.abs() < 1e4 =>
-        {
+        (Operator::Power, Code::Constant(exponent)) if exponent.fract() == 0.0 && exponent.abs() < 1e4 => {
             Code::WholePower(Box::new(left.code), *exponent as i32)
         }
         _ => Code::Binary(operator, Box::new([left.code, right.code])),
     };
-    Ok(Formula {
-        code: code.folded(known),
-        dimension,
-    })
+    Ok(Formula { code: code.folded(known), dimension })
 }
 
 fn power_dimension(base: &Formula, exponent: &Formula) -> Result<Dimension, String> {
     if exponent.dimension != Dimension::NONE {
-        return Err(format!(
-            "the exponent is {}",
-            exponent.dimension.described()
-        ));
+        return Err(format!("the exponent is {}", exponent.dimension.described()));
     }
     if base.dimension == Dimension::NONE {
         return Ok(Dimension::NONE);
     }
     let described = base.dimension.described();
-    let constant = exponent
-        .constant()
-        .ok_or(format!("{described} to a power that varies in space"))?;
-    base.dimension.power(constant.value).ok_or(format!(
-        "{described} to the power {} has no unit",
-        constant.value
-    ))
+    let constant = exponent.constant().ok_or(format!("{described} to a power that varies in space"))?;
+    base.dimension
+        .power(constant.value)
+        .ok_or(format!("{described} to the power {} has no unit", constant.value))
 }

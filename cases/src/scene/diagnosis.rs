@@ -29,20 +29,8 @@ pub(super) struct Place {
 }
 
 impl Diagnosis {
-    pub(super) fn new(
-        severity: Severity,
-        message: String,
-        help: String,
-        place: Option<Place>,
-    ) -> Self {
-        Self {
-            severity,
-            report: Arc::new(Report {
-                message,
-                help,
-                place,
-            }),
-        }
+    pub(super) fn new(severity: Severity, message: String, help: String, place: Option<Place>) -> Self {
+        Self { severity, report: Arc::new(Report { message, help, place }) }
     }
 
     /// Whether this is an error, not a warning.
@@ -58,12 +46,7 @@ impl Diagnosis {
     /// Line of that source, counted from 1.
     pub fn line(&self) -> Option<usize> {
         let place = self.report.place.as_ref()?;
-        Some(
-            place.source.inner()[..place.span.start]
-                .matches('\n')
-                .count()
-                + 1,
-        )
+        Some(place.source.inner()[..place.span.start].matches('\n').count() + 1)
     }
 
     /// The text that is underlined.
@@ -91,19 +74,14 @@ impl Diagnostic for Diagnosis {
     }
 
     fn source_code(&self) -> Option<&dyn SourceCode> {
-        self.report
-            .place
-            .as_ref()
-            .map(|place| &place.source as &dyn SourceCode)
+        self.report.place.as_ref().map(|place| &place.source as &dyn SourceCode)
     }
 
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
         let place = self.report.place.as_ref()?;
         let label = (!place.label.is_empty()).then(|| place.label.clone());
         let span = SourceSpan::from(place.span.clone());
-        Some(Box::new(std::iter::once(LabeledSpan::new_with_span(
-            label, span,
-        ))))
+        Some(Box::new(std::iter::once(LabeledSpan::new_with_span(label, span))))
     }
 }
 
@@ -117,17 +95,8 @@ pub(super) struct Fault {
 }
 
 impl Fault {
-    pub(super) fn new(
-        span: Range<usize>,
-        message: impl Into<String>,
-        help: impl Into<String>,
-    ) -> Self {
-        Self {
-            span,
-            message: message.into(),
-            label: String::new(),
-            help: help.into(),
-        }
+    pub(super) fn new(span: Range<usize>, message: impl Into<String>, help: impl Into<String>) -> Self {
+        Self { span, message: message.into(), label: String::new(), help: help.into() }
     }
 
     pub(super) fn labelled(mut self, label: impl Into<String>) -> Self {

@@ -47,12 +47,7 @@ impl<'a> Node<'a> {
 impl<'a> Entry<'a> {
     /// The whole scene.
     pub(super) fn root(context: &'a Context<'a>, table: &'a dyn TableLike) -> Self {
-        Self {
-            context,
-            path: String::new(),
-            span: 0..0,
-            node: Node::Table(table),
-        }
+        Self { context, path: String::new(), span: 0..0, node: Node::Table(table) }
     }
 
     /// The last part of the path.
@@ -100,16 +95,9 @@ impl<'a> Entry<'a> {
         match (found.next(), found.next()) {
             (Some(entry), None) => Ok(entry),
             (first, _) => {
-                let problem = if first.is_none() {
-                    "no kind"
-                } else {
-                    "more than one kind"
-                };
+                let problem = if first.is_none() { "no kind" } else { "more than one kind" };
                 let message = format!("`{}` has {problem}: it needs exactly one key", whole.path);
-                let help = format!(
-                    "write it like {example}; {}",
-                    suggest::help("kinds", "", known)
-                );
+                let help = format!("write it like {example}; {}", suggest::help("kinds", "", known));
                 Err(Fault::new(whole.span, message, help))
             }
         }
@@ -129,8 +117,7 @@ impl<'a> Entry<'a> {
 
     /// Whether this is "auto", or a parameter that is.
     pub(super) fn is_auto(&self) -> bool {
-        self.written()
-            .is_some_and(|written| self.context.is_auto(&written))
+        self.written().is_some_and(|written| self.context.is_auto(&written))
     }
 
     /// A mistake of this value. Where it only names a parameter, the parameter is to blame.
@@ -140,18 +127,12 @@ impl<'a> Entry<'a> {
         };
         let blamed = self.context.blame(&written);
         let fault = Fault::new(blamed.span.clone(), message, help);
-        if blamed.span == written.span {
-            fault
-        } else {
-            fault.labelled(format!("used as `{}`", self.path))
-        }
+        if blamed.span == written.span { fault } else { fault.labelled(format!("used as `{}`", self.path)) }
     }
 
     /// The value as it stands in the text (that of the parameter it names).
     pub(super) fn shown(&self) -> &'a str {
-        let span = self.written().map_or(self.span.clone(), |written| {
-            self.context.blame(&written).span
-        });
+        let span = self.written().map_or(self.span.clone(), |written| self.context.blame(&written).span);
         self.context.text_at(span).trim_matches(['"', '\''])
     }
 
@@ -170,10 +151,6 @@ impl<'a> Entry<'a> {
             },
         };
         let message = format!("`{}` expects {expected}, not {found}", self.key());
-        Fault::new(
-            self.span.clone(),
-            message,
-            format!("write it like {example}"),
-        )
+        Fault::new(self.span.clone(), message, format!("write it like {example}"))
     }
 }

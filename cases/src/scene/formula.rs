@@ -14,18 +14,12 @@ pub struct Formula {
 impl Formula {
     /// Zero, of any dimension.
     pub fn zero() -> Self {
-        Self {
-            code: Code::Constant(0.0),
-            dimension: Dimension::NONE,
-        }
+        Self { code: Code::Constant(0.0), dimension: Dimension::NONE }
     }
 
     /// The same quantity everywhere.
     pub(super) fn constant_of(quantity: Quantity) -> Self {
-        Self {
-            code: Code::Constant(quantity.value),
-            dimension: quantity.dimension,
-        }
+        Self { code: Code::Constant(quantity.value), dimension: quantity.dimension }
     }
 
     /// Value at the point r, z, both in metres.
@@ -40,10 +34,7 @@ impl Formula {
     /// The value, if it depends on neither r nor z.
     pub(super) fn constant(&self) -> Option<Quantity> {
         match self.code {
-            Code::Constant(value) => Some(Quantity {
-                value,
-                dimension: self.dimension,
-            }),
+            Code::Constant(value) => Some(Quantity { value, dimension: self.dimension }),
             _ => None,
         }
     }
@@ -64,11 +55,7 @@ pub(super) enum Code {
     Binary(Operator, Box<[Code; 2]>),
     WholePower(Box<Code>, i32),
     Call(Function, Box<[Code]>),
-    Legendre {
-        degree: usize,
-        derivative: bool,
-        argument: Box<Code>,
-    },
+    Legendre { degree: usize, derivative: bool, argument: Box<Code> },
 }
 
 impl Code {
@@ -80,25 +67,18 @@ impl Code {
             Code::Negate(inner) => -inner.at(r, z),
             Code::Binary(operator, sides) => apply(*operator, sides[0].at(r, z), sides[1].at(r, z)),
             Code::WholePower(base, exponent) => base.at(r, z).powi(*exponent),
-            Code::Call(function, arguments) => function.value(
-                arguments[0].at(r, z),
-                arguments.get(1).map_or(0.0, |second| second.at(r, z)),
-            ),
-            Code::Legendre {
-                degree,
-                derivative,
-                argument,
-            } => super::functions::legendre(*degree, argument.at(r, z))[usize::from(*derivative)],
+            Code::Call(function, arguments) => {
+                function.value(arguments[0].at(r, z), arguments.get(1).map_or(0.0, |second| second.at(r, z)))
+            }
+            Code::Legendre { degree, derivative, argument } => {
+                super::functions::legendre(*degree, argument.at(r, z))[usize::from(*derivative)]
+            }
         }
     }
 
     /// The value in place of the code, if all that goes into it is constant.
     pub(super) fn folded(self, inputs_constant: bool) -> Self {
-        if inputs_constant {
-            Code::Constant(self.at(0.0, 0.0))
-        } else {
-            self
-        }
+        if inputs_constant { Code::Constant(self.at(0.0, 0.0)) } else { self }
     }
 }
 

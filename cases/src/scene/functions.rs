@@ -27,21 +27,9 @@ const FUNCTIONS: [(&str, Function, &str); 11] = [
     ("cos", Function::Cosine, "cos(x) with x in radians"),
     ("tan", Function::Tangent, "tan(x) with x in radians"),
     ("abs", Function::Absolute, "abs(x)"),
-    (
-        "min",
-        Function::Minimum,
-        "min(x, y) with x and y of one dimension",
-    ),
-    (
-        "max",
-        Function::Maximum,
-        "max(x, y) with x and y of one dimension",
-    ),
-    (
-        "legendre",
-        Function::Legendre,
-        "legendre(n, x) with a constant whole n from 0 to 1000",
-    ),
+    ("min", Function::Minimum, "min(x, y) with x and y of one dimension"),
+    ("max", Function::Maximum, "max(x, y) with x and y of one dimension"),
+    ("legendre", Function::Legendre, "legendre(n, x) with a constant whole n from 0 to 1000"),
     (
         "legendre_derivative",
         Function::LegendreDerivative,
@@ -51,10 +39,7 @@ const FUNCTIONS: [(&str, Function, &str); 11] = [
 
 impl Function {
     pub(super) fn find(name: &str) -> Option<Self> {
-        FUNCTIONS
-            .iter()
-            .find(|entry| entry.0 == name)
-            .map(|entry| entry.1)
+        FUNCTIONS.iter().find(|entry| entry.0 == name).map(|entry| entry.1)
     }
 
     pub(super) fn names() -> Vec<&'static str> {
@@ -63,10 +48,7 @@ impl Function {
 
     /// How it is written.
     pub(super) fn usage(self) -> &'static str {
-        FUNCTIONS
-            .iter()
-            .find(|entry| entry.1 == self)
-            .map_or("", |entry| entry.2)
+        FUNCTIONS.iter().find(|entry| entry.1 == self).map_or("", |entry| entry.2)
     }
 
     pub(super) fn arity(self) -> usize {
@@ -81,36 +63,23 @@ impl Function {
         let first = arguments[0].dimension();
         let plain = |formula: &Formula| match formula.dimension() {
             Dimension::NONE => Ok(()),
-            dimension => Err(format!(
-                "expects a number without unit, not {}",
-                dimension.described()
-            )),
+            dimension => Err(format!("expects a number without unit, not {}", dimension.described())),
         };
         match self {
-            Self::SquareRoot => first
-                .power(0.5)
-                .ok_or(format!("of {} has no unit", first.described())),
+            Self::SquareRoot => first.power(0.5).ok_or(format!("of {} has no unit", first.described())),
             Self::Absolute => Ok(first),
-            Self::Minimum | Self::Maximum => common_dimension(&arguments[0], &arguments[1])
-                .ok_or_else(|| {
+            Self::Minimum | Self::Maximum => {
+                common_dimension(&arguments[0], &arguments[1]).ok_or_else(|| {
                     let second = arguments[1].dimension();
-                    format!(
-                        "cannot compare {} and {}",
-                        first.described(),
-                        second.described()
-                    )
-                }),
+                    format!("cannot compare {} and {}", first.described(), second.described())
+                })
+            }
             Self::Legendre | Self::LegendreDerivative => {
                 arguments.iter().try_for_each(plain)?;
                 let degree = arguments[0].constant().map(|degree| degree.value);
-                let good = degree.is_some_and(|degree| {
-                    degree.fract() == 0.0 && (0.0..=1000.0).contains(&degree)
-                });
-                if good {
-                    Ok(Dimension::NONE)
-                } else {
-                    Err("expects a whole number first".to_owned())
-                }
+                let good =
+                    degree.is_some_and(|degree| degree.fract() == 0.0 && (0.0..=1000.0).contains(&degree));
+                if good { Ok(Dimension::NONE) } else { Err("expects a whole number first".to_owned()) }
             }
             _ => plain(&arguments[0]).map(|()| Dimension::NONE),
         }
@@ -149,7 +118,7 @@ impl Function {
 
 /// The Legendre polynomial of this degree and its derivative, by the three-term recurrence
 /// `(k+1) P_(k+1) = (2k+1) x P_k - k P_(k-1)` and `P'_(k+1) = (k+1) P_k + x P'_k`.
-pub(super) fn legendre(degree: usize, x: f64) -> [f64; 2] {
+pub(crate) fn legendre(degree: usize, x: f64) -> [f64; 2] {
     let (mut before, mut value, mut derivative) = (0.0, 1.0, 0.0);
     for index in 0..degree {
         let index = index as f64;

@@ -71,7 +71,7 @@ impl Method {
             momentum_correction: true,
             shifting: 0.0,
             cfl: 0.5,
-            skin: 0.3,
+            skin: 0.15,
         }
     }
 
@@ -103,67 +103,35 @@ impl Method {
                 entry.checked(NUMBER, "must be at least 1", |value| value >= 1.0)
             })?,
             theta: table.read_or("theta", base.theta, |entry| {
-                entry.checked(NUMBER, "must lie between 0.4 and 1.5", |value| {
-                    (0.4..=1.5).contains(&value)
-                })
+                entry.checked(NUMBER, "must lie between 0.4 and 1.5", |value| (0.4..=1.5).contains(&value))
             })?,
             flux: table.read_or("flux", base.flux, |entry| entry.choice())?,
-            time_integration: table.read_or(
-                "time_integration",
-                base.time_integration,
-                |entry| entry.choice(),
-            )?,
+            time_integration: table
+                .read_or("time_integration", base.time_integration, |entry| entry.choice())?,
             curvature: table.read_or("curvature", base.curvature, |entry| entry.choice())?,
-            curvature_interval: table.read_or(
-                "curvature_interval",
-                base.curvature_interval,
-                |entry| entry.count(1),
-            )?,
-            colour_support: table.read_or("colour_support", base.colour_support, |entry| {
-                entry.positive(NUMBER)
-            })?,
+            curvature_interval: table
+                .read_or("curvature_interval", base.curvature_interval, |entry| entry.count(1))?,
+            colour_support: table
+                .read_or("colour_support", base.colour_support, |entry| entry.positive(NUMBER))?,
             normal_theta: table.read_or("normal_theta", base.normal_theta, |entry| {
-                entry.checked(NUMBER, "must lie between 0.4 and 3", |value| {
-                    (0.4..=3.0).contains(&value)
-                })
+                entry.checked(NUMBER, "must lie between 0.4 and 3", |value| (0.4..=3.0).contains(&value))
             })?,
-            reference_pressure: table.read_or(
-                "reference_pressure",
-                base.reference_pressure,
-                |entry| entry.choice(),
-            )?,
-            kernel_correction: table.read_or(
-                "kernel_correction",
-                base.kernel_correction,
-                |entry| entry.flag(),
-            )?,
-            tangential_pressure: table.read_or(
-                "tangential_pressure",
-                base.tangential_pressure,
-                |entry| entry.flag(),
-            )?,
-            strain_correction: table.read_or(
-                "strain_correction",
-                base.strain_correction,
-                |entry| entry.flag(),
-            )?,
+            reference_pressure: table
+                .read_or("reference_pressure", base.reference_pressure, |entry| entry.choice())?,
+            kernel_correction: table
+                .read_or("kernel_correction", base.kernel_correction, |entry| entry.flag())?,
+            tangential_pressure: table
+                .read_or("tangential_pressure", base.tangential_pressure, |entry| entry.flag())?,
+            strain_correction: table
+                .read_or("strain_correction", base.strain_correction, |entry| entry.flag())?,
             colour_guard: table.read_or("colour_guard", base.colour_guard, |entry| {
-                entry.checked(NUMBER, "must lie between 0 (off) and 1", |value| {
-                    (0.0..=1.0).contains(&value)
-                })
+                entry.checked(NUMBER, "must lie between 0 (off) and 1", |value| (0.0..=1.0).contains(&value))
             })?,
-            momentum_correction: table.read_or(
-                "momentum_correction",
-                base.momentum_correction,
-                |entry| entry.flag(),
-            )?,
-            shifting: table.read_or("shifting", base.shifting, |entry| {
-                entry.not_negative(NUMBER)
-            })?,
+            momentum_correction: table
+                .read_or("momentum_correction", base.momentum_correction, |entry| entry.flag())?,
+            shifting: table.read_or("shifting", base.shifting, |entry| entry.not_negative(NUMBER))?,
             cfl: table.read_or("cfl", base.cfl, |entry| {
-                entry.checked(NUMBER, "must be above 0 and at most 1", |value| {
-                    value > 0.0 && value <= 1.0
-                })
+                entry.checked(NUMBER, "must be above 0 and at most 1", |value| value > 0.0 && value <= 1.0)
             })?,
             skin: table.read_or("skin", base.skin, |entry| entry.not_negative(NUMBER))?,
         })

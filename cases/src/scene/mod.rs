@@ -34,6 +34,7 @@ pub use body::{Body, VelocityField};
 pub use choices::{AxisTreatment, Curvature, Flux, ReferencePressure, Scheme, TimeIntegration};
 pub use diagnosis::Diagnosis;
 pub use formula::Formula;
+pub(crate) use functions::legendre;
 pub use method::Method;
 pub use output::{Measure, Output};
 pub use quantity::{Dimension, Quantity};
@@ -130,12 +131,7 @@ pub fn read(path: &Path, settings: &[String]) -> Result<Scene, Diagnosis> {
     let name = path.display().to_string();
     let text = std::fs::read_to_string(path).map_err(|error| {
         let message = format!("the scene {name} cannot be read: {error}");
-        Diagnosis::new(
-            Severity::Error,
-            message,
-            "check the path of the scene".to_owned(),
-            None,
-        )
+        Diagnosis::new(Severity::Error, message, "check the path of the scene".to_owned(), None)
     })?;
     parse(&name, &text, settings)
 }
@@ -147,12 +143,9 @@ pub fn read(path: &Path, settings: &[String]) -> Result<Scene, Diagnosis> {
 /// The first mistake in the scene.
 pub fn parse(name: &str, text: &str, settings: &[String]) -> Result<Scene, Diagnosis> {
     let source = source::Source::new(name, text, settings)?;
-    let (mut scene, doubts) = reading::scene(name, &source.text)
-        .map_err(|fault| source.diagnose(Severity::Error, fault))?;
-    scene.warnings = doubts
-        .into_iter()
-        .map(|doubt| source.diagnose(Severity::Warning, doubt))
-        .collect();
+    let (mut scene, doubts) =
+        reading::scene(name, &source.text).map_err(|fault| source.diagnose(Severity::Error, fault))?;
+    scene.warnings = doubts.into_iter().map(|doubt| source.diagnose(Severity::Warning, doubt)).collect();
     Ok(scene)
 }
 
@@ -172,10 +165,7 @@ impl Scene {
             radial.hypot(axial)
         };
         let fastest = |body: &Body| {
-            body.shape
-                .interior_points(body::SAMPLES)
-                .map(|point| speed(body, point))
-                .fold(0.0, f64::max)
+            body.shape.interior_points(body::SAMPLES).map(|point| speed(body, point)).fold(0.0, f64::max)
         };
         self.bodies.iter().map(fastest).fold(0.0, f64::max)
     }
@@ -183,10 +173,7 @@ impl Scene {
     /// The given sound speed in m/s, or ten times the fastest motion the scene can expect: the
     /// initial one, or the root of eight times the capillary velocity.
     pub fn derived_sound_speed(&self) -> f64 {
-        let fastest = || {
-            self.fastest_initial_speed()
-                .max(8.0_f64.sqrt() * self.capillary_velocity())
-        };
+        let fastest = || self.fastest_initial_speed().max(8.0_f64.sqrt() * self.capillary_velocity());
         self.liquid.sound_speed.unwrap_or_else(|| 10.0 * fastest())
     }
 }

@@ -36,28 +36,15 @@ impl Output {
     }
 
     pub(super) fn read(entry: Entry<'_>) -> Result<Self, Fault> {
-        let keys = [
-            "checkpoint_every",
-            "series_every",
-            "frames",
-            "colour_by",
-            "picture",
-            "paraview",
-        ];
+        let keys = ["checkpoint_every", "series_every", "frames", "colour_by", "picture", "paraview"];
         let table = Section::new(entry, &keys)?;
         let base = Self::defaults();
         Ok(Self {
-            checkpoint_every: table.read_or(
-                "checkpoint_every",
-                base.checkpoint_every,
-                |entry| entry.count(0),
-            )?,
-            series_every: table
-                .read_or("series_every", base.series_every, |entry| entry.count(0))?,
+            checkpoint_every: table
+                .read_or("checkpoint_every", base.checkpoint_every, |entry| entry.count(0))?,
+            series_every: table.read_or("series_every", base.series_every, |entry| entry.count(0))?,
             frames: table.read_or("frames", base.frames, |entry| entry.count(0))?,
-            colour_by: table.read_or("colour_by", base.colour_by, |entry| {
-                entry.text().map(str::to_owned)
-            })?,
+            colour_by: table.read_or("colour_by", base.colour_by, |entry| entry.text().map(str::to_owned))?,
             picture: table.read_or("picture", base.picture, |entry| entry.flag())?,
             paraview: table.read_or("paraview", base.paraview, |entry| entry.flag())?,
         })
@@ -93,10 +80,7 @@ pub enum Measure {
 impl Measure {
     pub(super) fn read(entry: Entry<'_>) -> Result<Self, Fault> {
         const EXAMPLE: &str = "laplace-pressure = { radius = \"2.5 um\" }";
-        let entry = entry.variant(
-            &["laplace-pressure", "oscillation", "spurious-velocity"],
-            EXAMPLE,
-        )?;
+        let entry = entry.variant(&["laplace-pressure", "oscillation", "spurious-velocity"], EXAMPLE)?;
         let kind = entry.key().to_owned();
         let keys: &[&str] = match kind.as_str() {
             "oscillation" => &["mode", "radius", "centre"],
@@ -104,24 +88,15 @@ impl Measure {
             _ => &["radius"],
         };
         let table = Section::new(entry, keys)?;
-        let radius = table
-            .required("radius", "radius = \"2.5 um\"")?
-            .positive(LENGTH)?;
+        let radius = table.required("radius", "radius = \"2.5 um\"")?.positive(LENGTH)?;
         let centre = table.read_or("centre", 0.0, |entry| entry.quantity(LENGTH))?;
         Ok(match kind.as_str() {
             "oscillation" => {
                 let mode = table.required("mode", "mode = 2")?;
                 let rule = |value: f64| value.fract() == 0.0 && (2.0..=1000.0).contains(&value);
-                let number = Kind {
-                    example: "2",
-                    ..NUMBER
-                };
+                let number = Kind { example: "2", ..NUMBER };
                 let mode = mode.checked(number, "must be a whole number from 2 to 1000", rule)?;
-                Measure::Oscillation {
-                    mode: mode as u32,
-                    radius,
-                    centre,
-                }
+                Measure::Oscillation { mode: mode as u32, radius, centre }
             }
             "laplace-pressure" => Measure::LaplacePressure { radius, centre },
             _ => Measure::SpuriousVelocity { radius },

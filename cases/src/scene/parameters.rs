@@ -33,21 +33,13 @@ impl<'a> Context<'a> {
     /// Names that mean something else already, values that are neither numbers nor texts, mistakes
     /// in their expressions, circles among them.
     pub(super) fn new(text: &'a str, table: Option<&'a dyn TableLike>) -> Result<Self, Fault> {
-        let mut context = Self {
-            text,
-            definitions: Vec::new(),
-            resolved: HashMap::new(),
-        };
+        let mut context = Self { text, definitions: Vec::new(), resolved: HashMap::new() };
         for (name, item) in table.iter().flat_map(|table| table.iter()) {
-            let key = table
-                .and_then(|table| table.key(name))
-                .and_then(toml_edit::Key::span)
-                .unwrap_or_default();
+            let key =
+                table.and_then(|table| table.key(name)).and_then(toml_edit::Key::span).unwrap_or_default();
             check_name(name, key.clone())?;
             let written = item.as_value().and_then(Written::of).ok_or_else(|| {
-                let help = format!(
-                    "write it like {name} = \"2.5 um\", {name} = 2 or {name} = \"2*radius\""
-                );
+                let help = format!("write it like {name} = \"2.5 um\", {name} = 2 or {name} = \"2*radius\"");
                 Fault::new(
                     item.span().unwrap_or(key),
                     format!("the parameter `{name}` is neither a number nor a text"),
@@ -67,10 +59,7 @@ impl<'a> Context<'a> {
         let value = |name: &str| self.resolved.get(name).copied().flatten();
         self.definitions
             .iter()
-            .map(|definition| Parameter {
-                name: definition.name.to_owned(),
-                value: value(definition.name),
-            })
+            .map(|definition| Parameter { name: definition.name.to_owned(), value: value(definition.name) })
             .collect()
     }
 
@@ -85,8 +74,7 @@ impl<'a> Context<'a> {
                 && !value.is_finite()
             {
                 let message = format!("the parameter `{name}` is {value}: not a finite number");
-                let help =
-                    "check for divisions by zero, and for roots and logarithms of negative numbers";
+                let help = "check for divisions by zero, and for roots and logarithms of negative numbers";
                 return Err(Fault::new(written.span.clone(), message, help));
             }
         }
@@ -97,28 +85,17 @@ impl<'a> Context<'a> {
     pub(super) fn formula(&self, written: &Written<'_>, spatial: bool) -> Result<Formula, Fault> {
         let text = match written.content {
             Content::Number(value) => {
-                return Ok(Formula::constant_of(Quantity {
-                    value,
-                    dimension: Dimension::NONE,
-                }));
+                return Ok(Formula::constant_of(Quantity { value, dimension: Dimension::NONE }));
             }
             Content::Text(text) => text,
         };
-        let known: Vec<&str> = self
-            .definitions
-            .iter()
-            .map(|definition| definition.name)
-            .collect();
+        let known: Vec<&str> = self.definitions.iter().map(|definition| definition.name).collect();
         let meaning = |name: &str| match self.resolved.get(name) {
             Some(Some(quantity)) => Meaning::Value(*quantity),
             Some(None) => Meaning::Auto,
             None => Meaning::Unknown,
         };
-        let compiler = Compiler {
-            meaning: &meaning,
-            known: &known,
-            spatial,
-        };
+        let compiler = Compiler { meaning: &meaning, known: &known, spatial };
         Node::parse(text)
             .and_then(|node| compiler.formula(&node))
             .map_err(|mistake| self.place(mistake, written))
@@ -127,9 +104,7 @@ impl<'a> Context<'a> {
     /// Whether a value is "auto" or names a parameter that is.
     pub(super) fn is_auto(&self, written: &Written<'_>) -> bool {
         match written.content {
-            Content::Text(text) => {
-                text == "auto" || matches!(self.resolved.get(text.trim()), Some(None))
-            }
+            Content::Text(text) => text == "auto" || matches!(self.resolved.get(text.trim()), Some(None)),
             Content::Number(_) => false,
         }
     }
@@ -150,17 +125,13 @@ impl<'a> Context<'a> {
 
     fn named(&self, written: &Written<'_>) -> Option<&Definition<'a>> {
         match written.content {
-            Content::Text(text) => self
-                .definition(text.trim())
-                .map(|index| &self.definitions[index]),
+            Content::Text(text) => self.definition(text.trim()).map(|index| &self.definitions[index]),
             Content::Number(_) => None,
         }
     }
 
     fn definition(&self, name: &str) -> Option<usize> {
-        self.definitions
-            .iter()
-            .position(|definition| definition.name == name)
+        self.definitions.iter().position(|definition| definition.name == name)
     }
 
     /// Works out one parameter, after those it is made of. `open` holds the ones on the way here.
@@ -172,26 +143,13 @@ impl<'a> Context<'a> {
         }
         if open.len() > LONGEST_CHAIN {
             let message = format!("more than {LONGEST_CHAIN} parameters build on one another");
-            return Err(Fault::new(
-                written.span,
-                message,
-                "give some of them values of their own",
-            ));
+            return Err(Fault::new(written.span, message, "give some of them values of their own"));
         }
         if open.contains(&index) {
-            let circle: Vec<&str> = open
-                .iter()
-                .map(|&index| self.definitions[index].name)
-                .collect();
-            let message = format!(
-                "the parameters define one another in a circle: {} -> {name}",
-                circle.join(" -> ")
-            );
-            return Err(Fault::new(
-                written.span,
-                message,
-                "give one of them a value of its own",
-            ));
+            let circle: Vec<&str> = open.iter().map(|&index| self.definitions[index].name).collect();
+            let message =
+                format!("the parameters define one another in a circle: {} -> {name}", circle.join(" -> "));
+            return Err(Fault::new(written.span, message, "give one of them a value of its own"));
         }
         if let Content::Text(text) = written.content {
             if text == "auto" {

@@ -25,16 +25,9 @@ const DEPTH: usize = 100;
 pub(super) fn parse(text: &str) -> Result<Node, Mistake> {
     if text.len() > LENGTH {
         let message = format!("the expression is longer than {LENGTH} characters");
-        return Err(Mistake::new(
-            0..text.len(),
-            message,
-            "name its parts in [parameters]",
-        ));
+        return Err(Mistake::new(0..text.len(), message, "name its parts in [parameters]"));
     }
-    let mut parser = Parser {
-        scanner: Scanner::new(text),
-        depth: 0,
-    };
+    let mut parser = Parser { scanner: Scanner::new(text), depth: 0 };
     let node = parser.sum()?;
     parser.scanner.skip_spaces();
     if parser.scanner.position < text.len() {
@@ -60,8 +53,7 @@ impl Parser<'_> {
             ));
         }
         let mut left = self.product()?;
-        while let Some(operator) = self.operator(&[('+', Operator::Add), ('-', Operator::Subtract)])
-        {
+        while let Some(operator) = self.operator(&[('+', Operator::Add), ('-', Operator::Subtract)]) {
             left = binary(operator, left, self.product()?);
         }
         self.depth -= 1;
@@ -70,9 +62,7 @@ impl Parser<'_> {
 
     fn product(&mut self) -> Result<Node, Mistake> {
         let mut left = self.unary()?;
-        while let Some(operator) =
-            self.operator(&[('*', Operator::Multiply), ('/', Operator::Divide)])
-        {
+        while let Some(operator) = self.operator(&[('*', Operator::Multiply), ('/', Operator::Divide)]) {
             left = binary(operator, left, self.unary()?);
         }
         Ok(left)
@@ -90,14 +80,7 @@ impl Parser<'_> {
         }
         let inner = self.power()?;
         let span = start..inner.span.end;
-        Ok(if negative {
-            Node {
-                part: Part::Negate(Box::new(inner)),
-                span,
-            }
-        } else {
-            inner
-        })
+        Ok(if negative { Node { part: Part::Negate(Box::new(inner)), span } } else { inner })
     }
 
     fn power(&mut self) -> Result<Node, Mistake> {
@@ -122,17 +105,11 @@ impl Parser<'_> {
                 self.scanner.eat('(');
                 let inner = self.sum()?;
                 self.scanner.expect(')')?;
-                Ok(Node {
-                    part: inner.part,
-                    span: start..self.scanner.position,
-                })
+                Ok(Node { part: inner.part, span: start..self.scanner.position })
             }
             Some(first) if first.is_ascii_digit() || first == '.' => {
                 let part = Part::Number(self.scanner.quantity()?);
-                Ok(Node {
-                    part,
-                    span: start..self.scanner.position,
-                })
+                Ok(Node { part, span: start..self.scanner.position })
             }
             Some(first) if first.is_alphabetic() || first == '_' => {
                 let name = self.scanner.word().to_owned();
@@ -141,10 +118,7 @@ impl Parser<'_> {
                 } else {
                     Part::Name(name)
                 };
-                Ok(Node {
-                    part,
-                    span: start..self.scanner.position,
-                })
+                Ok(Node { part, span: start..self.scanner.position })
             }
             _ => Err(self.scanner.unexpected("a number, a name or `(`")),
         }
@@ -160,17 +134,11 @@ impl Parser<'_> {
     }
 
     fn operator(&mut self, choices: &[(char, Operator)]) -> Option<Operator> {
-        choices
-            .iter()
-            .find(|(symbol, _)| self.scanner.eat(*symbol))
-            .map(|(_, operator)| *operator)
+        choices.iter().find(|(symbol, _)| self.scanner.eat(*symbol)).map(|(_, operator)| *operator)
     }
 }
 
 fn binary(operator: Operator, left: Node, right: Node) -> Node {
     let span = left.span.start..right.span.end;
-    Node {
-        part: Part::Binary(operator, Box::new([left, right])),
-        span,
-    }
+    Node { part: Part::Binary(operator, Box::new([left, right])), span }
 }

@@ -14,9 +14,7 @@ impl Dimension {
 
     /// From whole exponents of metre, kilogram and second.
     pub const fn new(metre: i16, kilogram: i16, second: i16) -> Self {
-        Self {
-            halves: [2 * metre, 2 * kilogram, 2 * second],
-        }
+        Self { halves: [2 * metre, 2 * kilogram, 2 * second] }
     }
 
     /// Exponents of metre, kilogram and second.
@@ -63,10 +61,7 @@ impl Dimension {
             (Dimension::new(-1, 1, -2), "a pressure"),
         ];
         let known = NAMES.iter().find(|(dimension, _)| *dimension == self);
-        known.map_or_else(
-            || format!("a quantity in {self}"),
-            |(_, name)| (*name).to_owned(),
-        )
+        known.map_or_else(|| format!("a quantity in {self}"), |(_, name)| (*name).to_owned())
     }
 }
 
@@ -127,33 +122,14 @@ pub(super) struct Kind {
     pub(super) example: &'static str,
 }
 
-pub(super) const LENGTH: Kind = Kind {
-    name: "a length",
-    dimension: Dimension::new(1, 0, 0),
-    example: "2.5 um",
-};
-pub(super) const TIME: Kind = Kind {
-    name: "a time",
-    dimension: Dimension::new(0, 0, 1),
-    example: "3 us",
-};
-pub(super) const VELOCITY: Kind = Kind {
-    name: "a velocity",
-    dimension: Dimension::new(1, 0, -1),
-    example: "150 m/s",
-};
-pub(super) const DENSITY: Kind = Kind {
-    name: "a density",
-    dimension: Dimension::new(-3, 1, 0),
-    example: "1000 kg/m3",
-};
-pub(super) const SURFACE_TENSION: Kind = Kind {
-    name: "a surface tension",
-    dimension: Dimension::new(0, 1, -2),
-    example: "0.074 N/m",
-};
-pub(super) const NUMBER: Kind = Kind {
-    name: "a number without unit",
-    dimension: Dimension::NONE,
-    example: "0.5",
-};
+pub(super) const LENGTH: Kind =
+    Kind { name: "a length", dimension: Dimension::new(1, 0, 0), example: "2.5 um" };
+pub(super) const TIME: Kind = Kind { name: "a time", dimension: Dimension::new(0, 0, 1), example: "3 us" };
+pub(super) const VELOCITY: Kind =
+    Kind { name: "a velocity", dimension: Dimension::new(1, 0, -1), example: "150 m/s" };
+pub(super) const DENSITY: Kind =
+    Kind { name: "a density", dimension: Dimension::new(-3, 1, 0), example: "1000 kg/m3" };
+pub(super) const SURFACE_TENSION: Kind =
+    Kind { name: "a surface tension", dimension: Dimension::new(0, 1, -2), example: "0.074 N/m" };
+pub(super) const NUMBER: Kind =
+    Kind { name: "a number without unit", dimension: Dimension::NONE, example: "0.5" };

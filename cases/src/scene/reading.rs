@@ -36,53 +36,29 @@ pub(super) fn scene(name: &str, text: &str) -> Result<(Scene, Vec<Fault>), Fault
     check_format(root)?;
     let context = Context::new(text, root.get("parameters").and_then(Item::as_table_like))?;
     let table = Section::new(Entry::root(&context, root), &KEYS)?;
-    if let Some(entry) = table
-        .optional("parameters")
-        .filter(|_| !root["parameters"].is_table_like())
-    {
+    if let Some(entry) = table.optional("parameters").filter(|_| !root["parameters"].is_table_like()) {
         return Err(entry.wrong_type("a table", "[parameters]"));
     }
 
-    let stem = Path::new(name)
-        .file_stem()
-        .map_or(name.to_owned(), |stem| stem.to_string_lossy().into_owned());
+    let stem =
+        Path::new(name).file_stem().map_or(name.to_owned(), |stem| stem.to_string_lossy().into_owned());
     let title = table.read_or("title", stem, |entry| entry.text().map(str::to_owned))?;
     let paper = table.read_or("paper", false, |entry| entry.flag())?;
-    let (liquid, sound_speed) =
-        liquid(table.required("liquid", "[liquid] with density = \"1000 kg/m3\"")?)?;
-    let domain = table.read_or(
-        "domain",
-        Domain {
-            origin: 0.0,
-            period: None,
-        },
-        domain,
-    )?;
+    let (liquid, sound_speed) = liquid(table.required("liquid", "[liquid] with density = \"1000 kg/m3\"")?)?;
+    let domain = table.read_or("domain", Domain { origin: 0.0, period: None }, domain)?;
     let bodies = table
-        .required(
-            "body",
-            "[[body]] with shape = { sphere = { radius = \"2.5 um\" } }",
-        )?
+        .required("body", "[[body]] with shape = { sphere = { radius = \"2.5 um\" } }")?
         .elements("[[body]]")?
         .into_iter()
         .map(|entry| body::read(entry, domain.origin))
         .collect::<Result<Vec<_>, _>>()?;
     context.check_finite()?;
     let (bodies, shapes): (Vec<_>, Vec<_>) = bodies.into_iter().unzip();
-    let particles = Section::new(
-        table.required("particles", "[particles] with size = \"50 nm\"")?,
-        &["size", "settle"],
-    )?;
+    let particles =
+        Section::new(table.required("particles", "[particles] with size = \"50 nm\"")?, &["size", "settle"])?;
     let size = particles.required("size", "size = \"50 nm\"")?;
-    let run = Section::new(
-        table.required("run", "[run] with until = \"3 us\"")?,
-        &["until", "steps"],
-    )?;
-    let base = if paper {
-        Method::paper()
-    } else {
-        Method::defaults()
-    };
+    let run = Section::new(table.required("run", "[run] with until = \"3 us\"")?, &["until", "steps"])?;
+    let base = if paper { Method::paper() } else { Method::defaults() };
 
     let scene = Scene {
         title,
@@ -98,21 +74,13 @@ pub(super) fn scene(name: &str, text: &str) -> Result<(Scene, Vec<Fault>), Fault
         method: table.read_or("method", base.clone(), |entry| Method::read(entry, base))?,
         output: table.read_or("output", Output::defaults(), Output::read)?,
         measures: table.read_or("measure", Vec::new(), |entry| {
-            entry
-                .elements("[[measure]]")?
-                .into_iter()
-                .map(Measure::read)
-                .collect()
+            entry.elements("[[measure]]")?.into_iter().map(Measure::read).collect()
         })?,
         bodies,
         domain,
         warnings: Vec::new(),
     };
-    let places = checks::Places {
-        shapes: &shapes,
-        size: &size,
-        sound_speed,
-    };
+    let places = checks::Places { shapes: &shapes, size: &size, sound_speed };
     let doubts = checks::check(&scene, &places)?;
     Ok((scene, doubts))
 }
@@ -120,13 +88,14 @@ pub(super) fn scene(name: &str, text: &str) -> Result<(Scene, Vec<Fault>), Fault
 fn check_format(root: &toml_edit::Table) -> Result<(), Fault> {
     let help = "this version reads scenes of format 1: write `format = 1` at the top";
     match root.get("format") {
-        None => Err(Fault::new(0..0, "missing key `format` in the scene", help)
-            .labelled("`format` is missing here")),
+        None => {
+            Err(Fault::new(0..0, "missing key `format` in the scene", help)
+                .labelled("`format` is missing here"))
+        }
         Some(item) if item.as_integer() == Some(1) => Ok(()),
         Some(item) => {
-            let found = item.as_value().map_or("a table".to_owned(), |value| {
-                value.to_string().trim().to_owned()
-            });
+            let found =
+                item.as_value().map_or("a table".to_owned(), |value| value.to_string().trim().to_owned());
             Err(Fault::new(
                 item.span().unwrap_or_default(),
                 format!("the scene's format is {found}, not 1"),
@@ -138,33 +107,19 @@ fn check_format(root: &toml_edit::Table) -> Result<(), Fault> {
 
 fn liquid(entry: Entry<'_>) -> Result<(Liquid, Entry<'_>), Fault> {
     let whole = entry.clone();
-    let table = Section::new(
-        entry,
-        &[
-            "density",
-            "surface_tension",
-            "sound_speed",
-            "equation_of_state",
-        ],
-    )?;
+    let table = Section::new(entry, &["density", "surface_tension", "sound_speed", "equation_of_state"])?;
     let sound_speed = table.optional("sound_speed");
     let given = match &sound_speed {
         Some(entry) if !entry.is_auto() => Some(entry.positive(VELOCITY)?),
         _ => None,
     };
     let liquid = Liquid {
-        density: table
-            .required("density", "density = \"1000 kg/m3\"")?
-            .positive(DENSITY)?,
-        surface_tension: table.read_or("surface_tension", 0.0, |entry| {
-            entry.not_negative(SURFACE_TENSION)
-        })?,
+        density: table.required("density", "density = \"1000 kg/m3\"")?.positive(DENSITY)?,
+        surface_tension: table
+            .read_or("surface_tension", 0.0, |entry| entry.not_negative(SURFACE_TENSION))?,
         sound_speed: given,
-        equation_of_state: table.read_or(
-            "equation_of_state",
-            EquationOfState::Linear,
-            |entry| entry.choice(),
-        )?,
+        equation_of_state: table
+            .read_or("equation_of_state", EquationOfState::Linear, |entry| entry.choice())?,
     };
     Ok((liquid, sound_speed.unwrap_or(whole)))
 }

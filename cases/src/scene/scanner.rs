@@ -23,12 +23,9 @@ impl<'a> Scanner<'a> {
         let start = self.position;
         self.skip(|character| character.is_ascii_digit() || character == '.');
         let exponent = &self.text[self.position..];
-        let digits = exponent
-            .strip_prefix(['e', 'E'])
-            .map(|rest| rest.strip_prefix(['+', '-']).unwrap_or(rest));
-        if let Some(digits) =
-            digits.filter(|rest| rest.starts_with(|first: char| first.is_ascii_digit()))
-        {
+        let digits =
+            exponent.strip_prefix(['e', 'E']).map(|rest| rest.strip_prefix(['+', '-']).unwrap_or(rest));
+        if let Some(digits) = digits.filter(|rest| rest.starts_with(|first: char| first.is_ascii_digit())) {
             self.position += exponent.len() - digits.len();
             self.skip(|character| character.is_ascii_digit());
         }
@@ -62,17 +59,11 @@ impl<'a> Scanner<'a> {
             let symbol = self.take(|character| character.is_alphabetic());
             let power = self.unit_power();
             // What goes on after a unit's letters and exponent is a name.
-            let ends = !self
-                .peek()
-                .is_some_and(|next| next.is_alphanumeric() || next == '_' || next == '(');
+            let ends = !self.peek().is_some_and(|next| next.is_alphanumeric() || next == '_' || next == '(');
             match units::find(symbol).filter(|_| ends && power != 0) {
                 Some(unit) => {
                     measure.times(unit, sign * power).ok_or_else(|| {
-                        Mistake::new(
-                            start..self.position,
-                            "this power of a unit is too high",
-                            units::HELP,
-                        )
+                        Mistake::new(start..self.position, "this power of a unit is too high", units::HELP)
                     })?;
                 }
                 None if first && !symbol.is_empty() => {
@@ -101,10 +92,7 @@ impl<'a> Scanner<'a> {
         self.position += usize::from(caret);
         let negative = caret && self.text[self.position..].starts_with('-');
         self.position += usize::from(negative);
-        match self
-            .take(|character| character.is_ascii_digit())
-            .parse::<i16>()
-        {
+        match self.take(|character| character.is_ascii_digit()).parse::<i16>() {
             Ok(power) => {
                 if negative {
                     -power
@@ -121,11 +109,7 @@ impl<'a> Scanner<'a> {
 
     /// Goes past a character that must come next, spaces aside.
     pub(super) fn expect(&mut self, wanted: char) -> Result<(), Mistake> {
-        if self.eat(wanted) {
-            Ok(())
-        } else {
-            Err(self.unexpected(&format!("`{wanted}`")))
-        }
+        if self.eat(wanted) { Ok(()) } else { Err(self.unexpected(&format!("`{wanted}`"))) }
     }
 
     /// Goes past a character if it comes next, spaces aside.
@@ -149,9 +133,7 @@ impl<'a> Scanner<'a> {
 
     fn skip(&mut self, belongs: impl Fn(char) -> bool) {
         let rest = &self.text[self.position..];
-        self.position += rest
-            .find(|character| !belongs(character))
-            .unwrap_or(rest.len());
+        self.position += rest.find(|character| !belongs(character)).unwrap_or(rest.len());
     }
 
     /// Goes past spaces.

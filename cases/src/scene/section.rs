@@ -23,25 +23,12 @@ impl<'a> Section<'a> {
     pub(super) fn new(entry: Entry<'a>, known: &[&str]) -> Result<Self, Fault> {
         let Node::Table(table) = entry.node else {
             let help = suggest::help("keys", "", known);
-            return Err(Fault::new(
-                entry.span.clone(),
-                format!("`{}` must be a table", entry.path),
-                help,
-            ));
+            return Err(Fault::new(entry.span.clone(), format!("`{}` must be a table", entry.path), help));
         };
-        let section = Self {
-            context: entry.context,
-            path: entry.path,
-            table,
-            span: entry.span,
-        };
+        let section = Self { context: entry.context, path: entry.path, table, span: entry.span };
         for (key, item) in table.iter() {
             if !known.contains(&key) {
-                let span = table
-                    .key(key)
-                    .and_then(toml_edit::Key::span)
-                    .or(item.span())
-                    .unwrap_or_default();
+                let span = table.key(key).and_then(toml_edit::Key::span).or(item.span()).unwrap_or_default();
                 let message = format!("unknown key `{key}` in {}", section.place());
                 return Err(Fault::new(span, message, suggest::help("keys", key, known)));
             }
@@ -68,19 +55,10 @@ impl<'a> Section<'a> {
     pub(super) fn optional(&self, key: &str) -> Option<Entry<'a>> {
         let item = self.table.get(key)?;
         let node = Node::of(item)?;
-        let path = if self.path.is_empty() {
-            key.to_owned()
-        } else {
-            format!("{}.{key}", self.path)
-        };
+        let path = if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) };
         let key_span = self.table.key(key).and_then(toml_edit::Key::span);
         let span = item.span().or(key_span).unwrap_or_default();
-        Some(Entry {
-            context: self.context,
-            path,
-            span,
-            node,
-        })
+        Some(Entry { context: self.context, path, span, node })
     }
 
     /// What `read` makes of the entry under a key, or `default` without one.

@@ -32,18 +32,10 @@ impl Setting {
     /// # Errors
     /// No `=`, a bare name that is no parameter, or a path through something that is no table.
     pub(super) fn apply(raw: &str, root: &mut Table) -> Result<Self, BadSetting> {
-        let bad = |span: Range<usize>, message: String, help: String| BadSetting {
-            span,
-            message,
-            help,
-        };
+        let bad = |span: Range<usize>, message: String, help: String| BadSetting { span, message, help };
         let Some((key, value)) = raw.split_once('=') else {
             let help = "write --set key=value, for instance --set radius=\"15 um\"";
-            return Err(bad(
-                0..raw.len(),
-                format!("`{raw}` sets nothing"),
-                help.to_owned(),
-            ));
+            return Err(bad(0..raw.len(), format!("`{raw}` sets nothing"), help.to_owned()));
         };
         let key_span = 0..key.len();
         let value_start = key.len() + 1 + (value.len() - value.trim_start().len());
@@ -60,32 +52,19 @@ impl Setting {
                     "{}; any other value has a dotted key, such as method.theta",
                     suggest::help("parameters", &path[0], &known)
                 );
-                return Err(bad(
-                    key_span,
-                    format!("the scene has no parameter `{}`", path[0]),
-                    help,
-                ));
+                return Err(bad(key_span, format!("the scene has no parameter `{}`", path[0]), help));
             }
             path.insert(0, "parameters".to_owned());
         }
         let existing = set_in_table(root, &path, parsed(value)).map_err(|depth| {
-            let message = format!(
-                "`{}` holds no key `{}`",
-                path[..depth].join("."),
-                path[depth]
-            );
+            let message = format!("`{}` holds no key `{}`", path[..depth].join("."), path[depth]);
             bad(
                 key_span,
                 message,
                 "the key must lead through tables, and lists by their index from 0".to_owned(),
             )
         })?;
-        Ok(Self {
-            raw: raw.to_owned(),
-            value_start,
-            path,
-            existing,
-        })
+        Ok(Self { raw: raw.to_owned(), value_start, path, existing })
     }
 
     /// Where its value now stands, followed by the places of the keys that it brought along.
@@ -127,9 +106,7 @@ impl<'a> Place<'a> {
     }
 
     fn of_value(value: &'a Value) -> Self {
-        value
-            .as_inline_table()
-            .map_or(Place::Value(value), |table| Place::Table(table))
+        value.as_inline_table().map_or(Place::Value(value), |table| Place::Table(table))
     }
 
     fn span(self) -> Option<Range<usize>> {
@@ -142,11 +119,7 @@ impl<'a> Place<'a> {
 
 fn parameter_names(root: &Table) -> Vec<String> {
     let table = root.get("parameters").and_then(Item::as_table_like);
-    table
-        .iter()
-        .flat_map(|table| table.iter())
-        .map(|(name, _)| name.to_owned())
-        .collect()
+    table.iter().flat_map(|table| table.iter()).map(|(name, _)| name.to_owned()).collect()
 }
 
 /// A TOML value where the text is one, else the text itself: the shell has eaten its quotes.
@@ -175,9 +148,7 @@ fn set_in_table(table: &mut dyn TableLike, path: &[String], value: Value) -> Res
             return Ok(0);
         }
     };
-    set_in_item(inner, &path[1..], value)
-        .map(|depth| depth + 1)
-        .map_err(|depth| depth + 1)
+    set_in_item(inner, &path[1..], value).map(|depth| depth + 1).map_err(|depth| depth + 1)
 }
 
 fn set_in_item(item: &mut Item, path: &[String], value: Value) -> Result<usize, usize> {
@@ -186,18 +157,12 @@ fn set_in_item(item: &mut Item, path: &[String], value: Value) -> Result<usize, 
         Item::Table(_) | Item::ArrayOfTables(_) if path.is_empty() => Err(0),
         Item::Table(table) => set_in_table(table, path, value),
         Item::ArrayOfTables(tables) => {
-            let table = path[0]
-                .parse()
-                .ok()
-                .and_then(|index| tables.get_mut(index))
-                .ok_or(0_usize)?;
+            let table = path[0].parse().ok().and_then(|index| tables.get_mut(index)).ok_or(0_usize)?;
             let rest = &path[1..];
             if rest.is_empty() {
                 return Err(0);
             }
-            set_in_table(table, rest, value)
-                .map(|depth| depth + 1)
-                .map_err(|depth| depth + 1)
+            set_in_table(table, rest, value).map(|depth| depth + 1).map_err(|depth| depth + 1)
         }
         Item::None => Err(0),
     }
@@ -212,14 +177,8 @@ fn set_in_value(slot: &mut Value, path: &[String], mut value: Value) -> Result<u
     match slot {
         Value::InlineTable(table) => set_in_table(table, path, value),
         Value::Array(array) => {
-            let inner = path[0]
-                .parse()
-                .ok()
-                .and_then(|index| array.get_mut(index))
-                .ok_or(0_usize)?;
-            set_in_value(inner, &path[1..], value)
-                .map(|depth| depth + 1)
-                .map_err(|depth| depth + 1)
+            let inner = path[0].parse().ok().and_then(|index| array.get_mut(index)).ok_or(0_usize)?;
+            set_in_value(inner, &path[1..], value).map(|depth| depth + 1).map_err(|depth| depth + 1)
         }
         _ => Err(0),
     }

@@ -20,19 +20,10 @@ impl<'a> Source<'a> {
     ///
     /// # Errors
     /// Text that is no TOML, and settings that set nothing.
-    pub(super) fn new(
-        name: &'a str,
-        original: &'a str,
-        settings: &[String],
-    ) -> Result<Self, Diagnosis> {
-        let mut source = Self {
-            name,
-            original,
-            text: original.to_owned(),
-            settings: Vec::new(),
-        };
-        let document = Document::parse(original)
-            .map_err(|error| source.diagnose(Severity::Error, syntax(&error)))?;
+    pub(super) fn new(name: &'a str, original: &'a str, settings: &[String]) -> Result<Self, Diagnosis> {
+        let mut source = Self { name, original, text: original.to_owned(), settings: Vec::new() };
+        let document =
+            Document::parse(original).map_err(|error| source.diagnose(Severity::Error, syntax(&error)))?;
         if settings.is_empty() {
             return Ok(source);
         }
@@ -65,44 +56,27 @@ impl<'a> Source<'a> {
     /// Turns a mistake in the effective text into a diagnosis of what the user wrote: the setting,
     /// where one is to blame, else the file.
     pub(super) fn diagnose(&self, severity: Severity, fault: Fault) -> Diagnosis {
-        let (source, span) = self
-            .setting_at(&fault.span)
-            .or_else(|| self.original_at(&fault.span))
-            .unwrap_or_else(|| {
-                (
-                    NamedSource::new(self.name, self.text.clone()),
-                    first_line(&self.text, fault.span.clone()),
-                )
+        let (source, span) =
+            self.setting_at(&fault.span).or_else(|| self.original_at(&fault.span)).unwrap_or_else(|| {
+                (NamedSource::new(self.name, self.text.clone()), first_line(&self.text, fault.span.clone()))
             });
-        let place = Place {
-            source,
-            span,
-            label: fault.label,
-        };
+        let place = Place { source, span, label: fault.label };
         Diagnosis::new(severity, fault.message, fault.help, Some(place))
     }
 
     fn setting_at(&self, span: &Range<usize>) -> Option<(NamedSource<String>, Range<usize>)> {
-        let holds = |place: &Range<usize>| {
-            place.start <= span.start && span.end <= place.end && !span.is_empty()
-        };
+        let holds =
+            |place: &Range<usize>| place.start <= span.start && span.end <= place.end && !span.is_empty();
         // The last setting of a key is the one that counts.
         let (setting, index) = self.settings.iter().rev().find_map(|(setting, places)| {
-            places
-                .iter()
-                .position(holds)
-                .map(|index| (setting, (index, places)))
+            places.iter().position(holds).map(|index| (setting, (index, places)))
         })?;
         let (index, places) = index;
         let raw = &setting.raw;
         let key = 0..setting.raw.find('=').unwrap_or(raw.len());
         let whole = setting.value_start..raw.trim_end().len().max(setting.value_start);
-        let place = if index > 0 {
-            key
-        } else {
-            self.within_value(raw, &whole, span, &places[0])
-                .unwrap_or(whole)
-        };
+        let place =
+            if index > 0 { key } else { self.within_value(raw, &whole, span, &places[0]).unwrap_or(whole) };
         Some((NamedSource::new("--set", raw.clone()), place))
     }
 
@@ -128,9 +102,7 @@ impl<'a> Source<'a> {
 
     /// The same place of the file before the settings: the nearest line of the same text.
     fn original_at(&self, span: &Range<usize>) -> Option<(NamedSource<String>, Range<usize>)> {
-        let start = self.text[..span.start]
-            .rfind('\n')
-            .map_or(0, |position| position + 1);
+        let start = self.text[..span.start].rfind('\n').map_or(0, |position| position + 1);
         let line = self.text[start..].lines().next().unwrap_or_default();
         let number = self.text[..start].matches('\n').count();
         let mut position = 0;
@@ -145,28 +117,19 @@ impl<'a> Source<'a> {
         let (_, found) = best?;
         let offset = span.start - start;
         let length = span.len().min(line.len() - offset.min(line.len()));
-        Some((
-            NamedSource::new(self.name, self.original.to_owned()),
-            found + offset..found + offset + length,
-        ))
+        Some((NamedSource::new(self.name, self.original.to_owned()), found + offset..found + offset + length))
     }
 }
 
 /// A stretch cut off at the end of its first line.
 fn first_line(text: &str, span: Range<usize>) -> Range<usize> {
-    let length = text
-        .get(span.clone())
-        .and_then(|text| text.lines().next())
-        .map_or(0, str::len);
+    let length = text.get(span.clone()).and_then(|text| text.lines().next()).map_or(0, str::len);
     span.start..span.start + length
 }
 
 /// The fault that a broken text makes.
 pub(super) fn syntax(error: &toml_edit::TomlError) -> Fault {
-    let message = format!(
-        "this is no TOML: {}",
-        error.message().trim().replace('\n', ", ")
-    );
+    let message = format!("this is no TOML: {}", error.message().trim().replace('\n', ", "));
     Fault::new(
         error.span().unwrap_or_default(),
         message,

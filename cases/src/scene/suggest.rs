@@ -5,11 +5,7 @@ pub(super) fn help(what: &str, given: &str, known: &[&str]) -> String {
     if known.is_empty() {
         return format!("there are no {what} here");
     }
-    let list = known
-        .iter()
-        .map(|name| format!("`{name}`"))
-        .collect::<Vec<_>>()
-        .join(", ");
+    let list = known.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
     match nearest(given, known) {
         Some(name) => format!("did you mean `{name}`? known {what}: {list}"),
         None => format!("known {what}: {list}"),
@@ -17,10 +13,7 @@ pub(super) fn help(what: &str, given: &str, known: &[&str]) -> String {
 }
 
 fn nearest<'a>(given: &str, known: &[&'a str]) -> Option<&'a str> {
-    let best = known
-        .iter()
-        .map(|name| (distance(given, name), *name))
-        .min()?;
+    let best = known.iter().map(|name| (distance(given, name), *name)).min()?;
     (!given.is_empty() && best.0 <= 1.max(given.chars().count() / 3)).then_some(best.1)
 }
 

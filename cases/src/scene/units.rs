@@ -66,21 +66,12 @@ pub(super) struct Measure {
 
 impl Measure {
     pub(super) fn new(number: f64) -> Self {
-        Self {
-            number,
-            above: 1.0,
-            below: 1.0,
-            dimension: Dimension::NONE,
-        }
+        Self { number, above: 1.0, below: 1.0, dimension: Dimension::NONE }
     }
 
     /// Multiplies by a unit to a power; `None` if the exponents grow out of range.
     pub(super) fn times(&mut self, unit: (f64, f64, Dimension), power: i16) -> Option<()> {
-        let (above, below) = if power < 0 {
-            (unit.1, unit.0)
-        } else {
-            (unit.0, unit.1)
-        };
+        let (above, below) = if power < 0 { (unit.1, unit.0) } else { (unit.0, unit.1) };
         self.above *= above.powi(i32::from(power.abs()));
         self.below *= below.powi(i32::from(power.abs()));
         self.dimension = self.dimension.times(unit.2, power)?;
@@ -88,9 +79,6 @@ impl Measure {
     }
 
     pub(super) fn quantity(&self) -> Quantity {
-        Quantity {
-            value: self.number * self.above / self.below,
-            dimension: self.dimension,
-        }
+        Quantity { value: self.number * self.above / self.below, dimension: self.dimension }
     }
 }

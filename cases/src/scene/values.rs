@@ -13,10 +13,7 @@ pub trait Choice: Copy + PartialEq + 'static {
 
     /// The name of this choice in a scene.
     fn name(self) -> &'static str {
-        Self::NAMES
-            .iter()
-            .find(|(_, choice)| *choice == self)
-            .map_or("", |(name, _)| name)
+        Self::NAMES.iter().find(|(_, choice)| *choice == self).map_or("", |(name, _)| name)
     }
 }
 
@@ -30,39 +27,28 @@ impl<'a> Entry<'a> {
 
     /// True or false.
     pub(super) fn flag(&self) -> Result<bool, Fault> {
-        self.value()
-            .and_then(|value| value.as_bool())
-            .ok_or_else(|| self.wrong_type("true or false", "true"))
+        self.value().and_then(|value| value.as_bool()).ok_or_else(|| self.wrong_type("true or false", "true"))
     }
 
     /// One of several names.
     pub(super) fn choice<T: Choice>(&self) -> Result<T, Fault> {
         let given = self.text()?;
         let names: Vec<&str> = T::NAMES.iter().map(|(name, _)| *name).collect();
-        T::NAMES
-            .iter()
-            .find(|(name, _)| *name == given)
-            .map(|(_, choice)| *choice)
-            .ok_or_else(|| {
-                let message = format!("`{}` knows no `{given}`", self.key());
-                self.fault(message, suggest::help("values", given, &names))
-            })
+        T::NAMES.iter().find(|(name, _)| *name == given).map(|(_, choice)| *choice).ok_or_else(|| {
+            let message = format!("`{}` knows no `{given}`", self.key());
+            self.fault(message, suggest::help("values", given, &names))
+        })
     }
 
     /// A finite quantity in SI units.
     pub(super) fn quantity(&self, kind: Kind) -> Result<f64, Fault> {
         let formula = self.formula_of(Some(kind), false)?;
-        let value = formula
-            .constant()
-            .map_or(f64::NAN, |quantity| quantity.value);
+        let value = formula.constant().map_or(f64::NAN, |quantity| quantity.value);
         if value.is_finite() {
             return Ok(value);
         }
         let message = format!("`{}` is {value}: not a finite number", self.key());
-        Err(self.fault(
-            message,
-            format!("{} such as \"{}\" is expected", kind.name, kind.example),
-        ))
+        Err(self.fault(message, format!("{} such as \"{}\" is expected", kind.name, kind.example)))
     }
 
     /// A quantity above zero.
@@ -76,21 +62,13 @@ impl<'a> Entry<'a> {
     }
 
     /// A quantity that a rule, told in words, accepts.
-    pub(super) fn checked(
-        &self,
-        kind: Kind,
-        rule: &str,
-        accept: impl Fn(f64) -> bool,
-    ) -> Result<f64, Fault> {
+    pub(super) fn checked(&self, kind: Kind, rule: &str, accept: impl Fn(f64) -> bool) -> Result<f64, Fault> {
         let value = self.quantity(kind)?;
         if accept(value) {
             return Ok(value);
         }
-        let unit = if kind.dimension == Dimension::NONE {
-            String::new()
-        } else {
-            format!(" {}", kind.dimension)
-        };
+        let unit =
+            if kind.dimension == Dimension::NONE { String::new() } else { format!(" {}", kind.dimension) };
         let message = format!("`{}` is {}{unit}: it {rule}", self.key(), Short(value));
         let help = format!("{} such as {} is expected", kind.name, example(kind));
         Err(self.fault(message, help))
@@ -98,23 +76,14 @@ impl<'a> Entry<'a> {
 
     /// A whole number of at least `least`.
     pub(super) fn count(&self, least: u64) -> Result<u64, Fault> {
-        let value = self.quantity(Kind {
-            example: "10",
-            ..NUMBER
-        })?;
+        let value = self.quantity(Kind { example: "10", ..NUMBER })?;
         // 2^53: beyond it not every whole number has its own f64.
         if value.fract() == 0.0 && value >= least as f64 && value <= 9_007_199_254_740_992.0 {
             return Ok(value as u64);
         }
-        let message = format!(
-            "`{}` is {}: it must be a whole number, {least} or more",
-            self.key(),
-            Short(value)
-        );
-        Err(self.fault(
-            message,
-            format!("write it like {} = {}", self.key(), least.max(10)),
-        ))
+        let message =
+            format!("`{}` is {}: it must be a whole number, {least} or more", self.key(), Short(value));
+        Err(self.fault(message, format!("write it like {} = {}", self.key(), least.max(10))))
     }
 
     /// An expression in r and z; of any dimension without a `kind`.
@@ -125,9 +94,7 @@ impl<'a> Entry<'a> {
     fn formula_of(&self, kind: Option<Kind>, spatial: bool) -> Result<Formula, Fault> {
         let expected = kind.map_or("an expression", |kind| kind.name);
         let shown = kind.map_or("\"r^2 + z^2 - radius^2\"".to_owned(), example);
-        let written = self
-            .written()
-            .ok_or_else(|| self.wrong_type(expected, &shown))?;
+        let written = self.written().ok_or_else(|| self.wrong_type(expected, &shown))?;
         let formula = self.context.formula(&written, spatial)?;
         match kind {
             Some(kind) if formula.dimension() != kind.dimension && !formula.is_bare_zero() => {
@@ -140,11 +107,8 @@ impl<'a> Entry<'a> {
     fn wrong_unit(&self, formula: &Formula, kind: Kind) -> Fault {
         let (given, key) = (self.shown(), self.key());
         let described = formula.dimension().described();
-        let message = format!(
-            "`{given}` is {described}; `{key}` expects {} such as {}",
-            kind.name,
-            example(kind)
-        );
+        let message =
+            format!("`{given}` is {described}; `{key}` expects {} such as {}", kind.name, example(kind));
         let help = match formula.constant() {
             Some(quantity) if quantity.dimension == Dimension::NONE => {
                 let unit = kind.example.split_once(' ').map_or("", |(_, unit)| unit);
@@ -164,9 +128,5 @@ impl<'a> Entry<'a> {
 }
 
 fn example(kind: Kind) -> String {
-    if kind.dimension == Dimension::NONE {
-        kind.example.to_owned()
-    } else {
-        format!("\"{}\"", kind.example)
-    }
+    if kind.dimension == Dimension::NONE { kind.example.to_owned() } else { format!("\"{}\"", kind.example) }
 }

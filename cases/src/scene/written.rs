@@ -28,10 +28,7 @@ impl<'a> Written<'a> {
             Value::String(text) => Content::Text(text.value()),
             _ => return None,
         };
-        Some(Self {
-            content,
-            span: value.span().unwrap_or_default(),
-        })
+        Some(Self { content, span: value.span().unwrap_or_default() })
     }
 }
 
@@ -41,16 +38,10 @@ impl<'a> Written<'a> {
 /// A name that expressions cannot hold, or that means something else to them.
 pub(super) fn check_name(name: &str, span: Range<usize>) -> Result<(), Fault> {
     let mut characters = name.chars();
-    let starts = characters
-        .next()
-        .is_some_and(|first| first.is_alphabetic() || first == '_');
+    let starts = characters.next().is_some_and(|first| first.is_alphabetic() || first == '_');
     if !starts || !characters.all(|character| character.is_alphanumeric() || character == '_') {
         let help = "letters, digits and `_` make a name, so that expressions can use it";
-        return Err(Fault::new(
-            span,
-            format!("`{name}` cannot name a parameter"),
-            help,
-        ));
+        return Err(Fault::new(span, format!("`{name}` cannot name a parameter"), help));
     }
     let symbol = name.trim_end_matches(|last: char| last.is_ascii_digit());
     let power = &name[symbol.len()..];
@@ -66,9 +57,5 @@ pub(super) fn check_name(name: &str, span: Range<usize>) -> Result<(), Fault> {
         return Ok(());
     };
     let help = "choose another name";
-    Err(Fault::new(
-        span,
-        format!("`{name}` is {reason}: it cannot name a parameter"),
-        help,
-    ))
+    Err(Fault::new(span, format!("`{name}` is {reason}: it cannot name a parameter"), help))
 }

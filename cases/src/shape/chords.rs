@@ -7,12 +7,7 @@ pub struct Chords(Vec<[f64; 2]>);
 impl Chords {
     /// Of the given intervals, which must be ordered and disjoint; empty ones are dropped.
     pub(super) fn of(intervals: impl IntoIterator<Item = [f64; 2]>) -> Self {
-        Self(
-            intervals
-                .into_iter()
-                .filter(|[low, high]| low < high)
-                .collect(),
-        )
+        Self(intervals.into_iter().filter(|[low, high]| low < high).collect())
     }
 
     /// The interval across a disc at `height` above its centre, widened by the factor `aspect`.
@@ -74,7 +69,6 @@ impl Chords {
     }
 
     fn covers(&self, stretch: &[f64]) -> bool {
-        self.iter()
-            .any(|[low, high]| low <= stretch[0] && stretch[1] <= high)
+        self.iter().any(|[low, high]| low <= stretch[0] && stretch[1] <= high)
     }
 }

@@ -27,36 +27,19 @@ impl LevelSet {
     pub fn new(inside: Field, bounds: [f64; 4], cut: bool) -> Self {
         let [r_min, r_max, z_min, z_max] = bounds;
         let r_min = if cut { r_min.max(0.0) } else { r_min };
-        let mut level_set = Self {
-            inside,
-            bounds: [r_min, r_max, z_min, z_max],
-            cut,
-        };
+        let mut level_set = Self { inside, bounds: [r_min, r_max, z_min, z_max], cut };
         level_set.bounds = level_set.shrunk();
         level_set
     }
 
     fn shrunk(&self) -> [f64; 4] {
         let [r_min, r_max, z_min, z_max] = self.bounds;
-        let (r_step, z_step) = (
-            (r_max - r_min) / SAMPLES as f64,
-            (z_max - z_min) / SAMPLES as f64,
-        );
-        let mut tight = [
-            f64::INFINITY,
-            f64::NEG_INFINITY,
-            f64::INFINITY,
-            f64::NEG_INFINITY,
-        ];
+        let (r_step, z_step) = ((r_max - r_min) / SAMPLES as f64, (z_max - z_min) / SAMPLES as f64);
+        let mut tight = [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY];
         for row in 0..SAMPLES {
             let z = z_min + z_step * (row as f64 + 0.5);
             for [low, high] in self.chords(z).iter() {
-                tight = [
-                    tight[0].min(low),
-                    tight[1].max(high),
-                    tight[2].min(z),
-                    tight[3].max(z),
-                ];
+                tight = [tight[0].min(low), tight[1].max(high), tight[2].min(z), tight[3].max(z)];
             }
         }
         if tight[0] > tight[1] {
@@ -141,11 +124,7 @@ impl LevelSet {
             |nearest| (r - nearest[0]).hypot(z - nearest[1]),
         );
         let signed = if value < 0.0 { -distance } else { distance };
-        if signed.is_nan() {
-            limit.max(0.0)
-        } else {
-            signed.max(limit)
-        }
+        if signed.is_nan() { limit.max(0.0) } else { signed.max(limit) }
     }
 
     fn nearest(&self, point: [f64; 2]) -> Option<[f64; 2]> {
@@ -159,20 +138,13 @@ impl LevelSet {
             let away = [point[0] - guess[0], point[1] - guess[1]];
             let normal = (away[0] * slope[0] + away[1] * slope[1]) / square;
             let slide = [away[0] - normal * slope[0], away[1] - normal * slope[1]];
-            let step = [
-                slide[0] - value / square * slope[0],
-                slide[1] - value / square * slope[1],
-            ];
+            let step = [slide[0] - value / square * slope[0], slide[1] - value / square * slope[1]];
             let length = step[0].hypot(step[1]);
             if length.is_nan() || length > 2.0 * size {
                 return None;
             }
             // Half the slide where it is long: the zero line bends away under it.
-            let share = if slide[0].hypot(slide[1]) > 0.1 * size {
-                0.5
-            } else {
-                1.0
-            };
+            let share = if slide[0].hypot(slide[1]) > 0.1 * size { 0.5 } else { 1.0 };
             guess = [guess[0] + share * step[0], guess[1] + share * step[1]];
             if length < 1e-10 * size {
                 return Some(guess);
@@ -193,9 +165,6 @@ impl LevelSet {
 
 impl fmt::Debug for LevelSet {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter
-            .debug_struct("LevelSet")
-            .field("bounds", &self.bounds)
-            .finish_non_exhaustive()
+        formatter.debug_struct("LevelSet").field("bounds", &self.bounds).finish_non_exhaustive()
     }
 }

@@ -88,27 +88,14 @@ impl Shape {
     pub fn chords(&self, z: f64) -> Chords {
         match self {
             Shape::Sphere { radius, centre } => Chords::around(0.0, *radius, z - centre, 1.0).cut(),
-            Shape::Spheroid {
-                radial,
-                axial,
-                centre,
-            } => Chords::around(0.0, *axial, z - centre, radial / axial).cut(),
-            Shape::Cylinder {
-                radius,
-                bottom,
-                top,
-            } => Chords::between(z, [*bottom, *top], [0.0, *radius]),
-            Shape::Annulus {
-                inner,
-                outer,
-                bottom,
-                top,
-            } => Chords::between(z, [*bottom, *top], [*inner, *outer]),
-            Shape::Torus {
-                major,
-                minor,
-                centre,
-            } => Chords::around(*major, *minor, z - centre, 1.0),
+            Shape::Spheroid { radial, axial, centre } => {
+                Chords::around(0.0, *axial, z - centre, radial / axial).cut()
+            }
+            Shape::Cylinder { radius, bottom, top } => Chords::between(z, [*bottom, *top], [0.0, *radius]),
+            Shape::Annulus { inner, outer, bottom, top } => {
+                Chords::between(z, [*bottom, *top], [*inner, *outer])
+            }
+            Shape::Torus { major, minor, centre } => Chords::around(*major, *minor, z - centre, 1.0),
             Shape::Polygon(polygon) => polygon.chords(z),
             Shape::Expression(level_set) => level_set.chords(z),
             Shape::Union(shapes) => combine(shapes, z, Chords::union),
@@ -122,27 +109,15 @@ impl Shape {
     pub fn moments(&self) -> [f64; 2] {
         use std::f64::consts::PI;
         match self {
-            Shape::Sphere { radius, .. } => {
-                [0.5 * PI * radius * radius, 2.0 / 3.0 * radius.powi(3)]
+            Shape::Sphere { radius, .. } => [0.5 * PI * radius * radius, 2.0 / 3.0 * radius.powi(3)],
+            Shape::Spheroid { radial, axial, .. } => {
+                [0.5 * PI * radial * axial, 2.0 / 3.0 * radial * radial * axial]
             }
-            Shape::Spheroid { radial, axial, .. } => [
-                0.5 * PI * radial * axial,
-                2.0 / 3.0 * radial * radial * axial,
-            ],
-            Shape::Cylinder {
-                radius,
-                bottom,
-                top,
-            } => {
+            Shape::Cylinder { radius, bottom, top } => {
                 let area = radius * (top - bottom);
                 [area, 0.5 * radius * area]
             }
-            Shape::Annulus {
-                inner,
-                outer,
-                bottom,
-                top,
-            } => {
+            Shape::Annulus { inner, outer, bottom, top } => {
                 let area = (outer - inner) * (top - bottom);
                 [area, 0.5 * (inner + outer) * area]
             }
@@ -151,10 +126,9 @@ impl Shape {
                 [area, major * area]
             }
             Shape::Polygon(polygon) => polygon.moments(),
-            Shape::Expression(_)
-            | Shape::Union(_)
-            | Shape::Intersection(_)
-            | Shape::Difference(_) => quadrature::moments(self),
+            Shape::Expression(_) | Shape::Union(_) | Shape::Intersection(_) | Shape::Difference(_) => {
+                quadrature::moments(self)
+            }
         }
     }
 
@@ -168,11 +142,7 @@ impl Shape {
     /// polygons, expressions and booleans that of the bounding box.
     pub fn smallest_extent(&self) -> f64 {
         let [r_min, r_max, z_min, z_max] = self.bounds();
-        let width = if self.encloses_axis() {
-            2.0 * r_max
-        } else {
-            r_max - r_min
-        };
+        let width = if self.encloses_axis() { 2.0 * r_max } else { r_max - r_min };
         width.min(z_max - z_min)
     }
 
@@ -211,9 +181,7 @@ impl Shape {
             Shape::Union(shapes) | Shape::Intersection(shapes) | Shape::Difference(shapes) => {
                 shapes.iter().for_each(|shape| shape.heights(heights));
             }
-            Shape::Polygon(polygon) => {
-                heights.extend(polygon.points().iter().map(|point| point[1]))
-            }
+            Shape::Polygon(polygon) => heights.extend(polygon.points().iter().map(|point| point[1])),
             _ => heights.extend_from_slice(&self.bounds()[2..]),
         }
     }

@@ -29,10 +29,7 @@ impl Polygon {
             }
         }
         kept.dedup();
-        Self {
-            points: kept,
-            cut: true,
-        }
+        Self { points: kept, cut: true }
     }
 
     /// The corners in order.
@@ -55,28 +52,19 @@ impl Polygon {
     }
 
     pub(super) fn bounds(&self) -> [f64; 4] {
-        let start = [
-            f64::INFINITY,
-            f64::NEG_INFINITY,
-            f64::INFINITY,
-            f64::NEG_INFINITY,
-        ];
+        let start = [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY];
         if self.points.is_empty() {
             return [0.0; 4];
         }
-        self.points
-            .iter()
-            .fold(start, |[r_min, r_max, z_min, z_max], [r, z]| {
-                [r_min.min(*r), r_max.max(*r), z_min.min(*z), z_max.max(*z)]
-            })
+        self.points.iter().fold(start, |[r_min, r_max, z_min, z_max], [r, z]| {
+            [r_min.min(*r), r_max.max(*r), z_min.min(*z), z_max.max(*z)]
+        })
     }
 
     pub(super) fn chords(&self, z: f64) -> Chords {
         let mut crossings: Vec<f64> = edges(&self.points)
             .filter(|(start, end)| (start[1] > z) != (end[1] > z))
-            .map(|(start, end)| {
-                start[0] + (z - start[1]) / (end[1] - start[1]) * (end[0] - start[0])
-            })
+            .map(|(start, end)| start[0] + (z - start[1]) / (end[1] - start[1]) * (end[0] - start[0]))
             .collect();
         crossings.sort_by(f64::total_cmp);
         Chords::of(crossings.chunks_exact(2).map(|pair| [pair[0], pair[1]]))
@@ -90,10 +78,7 @@ impl Polygon {
             .fold(f64::INFINITY, f64::min);
         // With z level on a corner the half-open rule of the chords still counts every edge once.
         let on_axis = self.cut && r == 0.0;
-        let inside = self
-            .chords(z)
-            .iter()
-            .any(|[low, high]| (low < r || (on_axis && low <= r)) && r < high);
+        let inside = self.chords(z).iter().any(|[low, high]| (low < r || (on_axis && low <= r)) && r < high);
         if inside { -distance } else { distance }
     }
 
@@ -105,12 +90,8 @@ impl Polygon {
         };
         let (mut area, mut moment) = (0.0, 0.0);
         for (start, end) in edges(&self.points) {
-            let [r_start, z_start, r_end, z_end] = [
-                start[0] - r_first,
-                start[1] - z_first,
-                end[0] - r_first,
-                end[1] - z_first,
-            ];
+            let [r_start, z_start, r_end, z_end] =
+                [start[0] - r_first, start[1] - z_first, end[0] - r_first, end[1] - z_first];
             let cross = r_start * z_end - r_end * z_start;
             area += 0.5 * cross;
             moment += cross * (r_start + r_end) / 6.0;
@@ -120,37 +101,25 @@ impl Polygon {
 }
 
 fn edges(points: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2])> + '_ {
-    points
-        .iter()
-        .copied()
-        .zip(points.iter().copied().cycle().skip(1))
+    points.iter().copied().zip(points.iter().copied().cycle().skip(1))
 }
 
 fn segment_distance(point: [f64; 2], start: [f64; 2], end: [f64; 2]) -> f64 {
     let along = [end[0] - start[0], end[1] - start[1]];
     let to = [point[0] - start[0], point[1] - start[1]];
     let square = along[0] * along[0] + along[1] * along[1];
-    let share = if square > 0.0 {
-        ((to[0] * along[0] + to[1] * along[1]) / square).clamp(0.0, 1.0)
-    } else {
-        0.0
-    };
+    let share =
+        if square > 0.0 { ((to[0] * along[0] + to[1] * along[1]) / square).clamp(0.0, 1.0) } else { 0.0 };
     (to[0] - share * along[0]).hypot(to[1] - share * along[1])
 }
 
 fn meet(first: [[f64; 2]; 2], second: [[f64; 2]; 2]) -> bool {
     let side = |[start, end]: [[f64; 2]; 2], point: [f64; 2]| {
-        let cross = (end[0] - start[0]) * (point[1] - start[1])
-            - (end[1] - start[1]) * (point[0] - start[0]);
+        let cross = (end[0] - start[0]) * (point[1] - start[1]) - (end[1] - start[1]) * (point[0] - start[0]);
         if cross == 0.0 { 0.0 } else { cross.signum() }
     };
     let boxes_meet = (0..2).all(|axis| {
-        let span = |edge: [[f64; 2]; 2]| {
-            [
-                edge[0][axis].min(edge[1][axis]),
-                edge[0][axis].max(edge[1][axis]),
-            ]
-        };
+        let span = |edge: [[f64; 2]; 2]| [edge[0][axis].min(edge[1][axis]), edge[0][axis].max(edge[1][axis])];
         let ([low, high], [other_low, other_high]) = (span(first), span(second));
         low <= other_high && other_low <= high
     });

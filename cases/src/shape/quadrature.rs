@@ -6,23 +6,11 @@ use crate::region::Region;
 /// Kronrod's 15 abscissae (the positive half) with their weights and, for every second one, Gauss's.
 const NODES: [[f64; 3]; 8] = [
     [0.991_455_371_120_812_6, 0.022_935_322_010_529_224, 0.0],
-    [
-        0.949_107_912_342_758_5,
-        0.063_092_092_629_978_56,
-        0.129_484_966_168_869_7,
-    ],
+    [0.949_107_912_342_758_5, 0.063_092_092_629_978_56, 0.129_484_966_168_869_7],
     [0.864_864_423_359_769_1, 0.104_790_010_322_250_18, 0.0],
-    [
-        0.741_531_185_599_394_4,
-        0.140_653_259_715_525_92,
-        0.279_705_391_489_276_64,
-    ],
+    [0.741_531_185_599_394_4, 0.140_653_259_715_525_92, 0.279_705_391_489_276_64],
     [0.586_087_235_467_691_1, 0.169_004_726_639_267_9, 0.0],
-    [
-        0.405_845_151_377_397_2,
-        0.190_350_578_064_785_4,
-        0.381_830_050_505_118_9,
-    ],
+    [0.405_845_151_377_397_2, 0.190_350_578_064_785_4, 0.381_830_050_505_118_9],
     [0.207_784_955_007_898_47, 0.204_432_940_075_298_9, 0.0],
     [0.0, 0.209_482_141_084_727_82, 0.417_959_183_673_469_4],
 ];
@@ -59,35 +47,17 @@ pub(super) fn moments(shape: &Shape) -> [f64; 2] {
         })
         .collect();
     let section = |z: f64| {
-        shape
-            .chords(z)
-            .iter()
-            .fold([0.0, 0.0], |[area, moment], [low, high]| {
-                [
-                    area + high - low,
-                    moment + 0.5 * (high - low) * (high + low),
-                ]
-            })
-    };
-    let estimates: Vec<Estimate> = stretches
-        .iter()
-        .map(|stretch| estimate(&section, *stretch))
-        .collect();
-    let scale = estimates
-        .iter()
-        .fold([0.0, 0.0], |total, estimate| add(total, estimate.value));
-    let tolerance = scale.map(|value: f64| TOLERANCE * value.abs());
-    let mut refinement = Refinement {
-        section,
-        tolerance,
-        budget: BUDGET,
-    };
-    stretches
-        .iter()
-        .zip(estimates)
-        .fold([0.0, 0.0], |total, (stretch, estimate)| {
-            add(total, refinement.refine(*stretch, estimate, DEPTH))
+        shape.chords(z).iter().fold([0.0, 0.0], |[area, moment], [low, high]| {
+            [area + high - low, moment + 0.5 * (high - low) * (high + low)]
         })
+    };
+    let estimates: Vec<Estimate> = stretches.iter().map(|stretch| estimate(&section, *stretch)).collect();
+    let scale = estimates.iter().fold([0.0, 0.0], |total, estimate| add(total, estimate.value));
+    let tolerance = scale.map(|value: f64| TOLERANCE * value.abs());
+    let mut refinement = Refinement { section, tolerance, budget: BUDGET };
+    stretches.iter().zip(estimates).fold([0.0, 0.0], |total, (stretch, estimate)| {
+        add(total, refinement.refine(*stretch, estimate, DEPTH))
+    })
 }
 
 struct Estimate {
@@ -109,12 +79,10 @@ impl<Section: Fn(f64) -> [f64; 2]> Refinement<Section> {
         }
         self.budget -= 1;
         let middle = 0.5 * (low + high);
-        [[low, middle], [middle, high]]
-            .into_iter()
-            .fold([0.0, 0.0], |total, half| {
-                let estimate = estimate(&self.section, half);
-                add(total, self.refine(half, estimate, depth - 1))
-            })
+        [[low, middle], [middle, high]].into_iter().fold([0.0, 0.0], |total, half| {
+            let estimate = estimate(&self.section, half);
+            add(total, self.refine(half, estimate, depth - 1))
+        })
     }
 }
 
@@ -130,10 +98,7 @@ fn estimate(section: &impl Fn(f64) -> [f64; 2], [low, high]: [f64; 2]) -> Estima
         gauss = add(gauss, value.map(|value| half * gauss_weight * value));
     }
     let error = [(kronrod[0] - gauss[0]).abs(), (kronrod[1] - gauss[1]).abs()];
-    Estimate {
-        value: kronrod,
-        error,
-    }
+    Estimate { value: kronrod, error }
 }
 
 fn add(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {

@@ -9,11 +9,8 @@
 pub(super) fn signed_distance(semi: [f64; 2], point: [f64; 2]) -> f64 {
     // Scaled by the smaller semi-axis and ordered, the smaller one becomes 1 and the last.
     let swap = semi[0] < semi[1];
-    let [[major, small], [x, y]] = if swap {
-        [[semi[1], semi[0]], [point[1], point[0]]]
-    } else {
-        [semi, point]
-    };
+    let [[major, small], [x, y]] =
+        if swap { [[semi[1], semi[0]], [point[1], point[0]]] } else { [semi, point] };
     let (ratio, x, y) = (major / small, x / small, y / small);
     let nearest = if y > 0.0 {
         let root = largest_root(ratio, x, y);

@@ -58,11 +58,7 @@ pub fn compare(a: &Mapped, b: &Mapped, tolerance: f64) -> Result<Difference, Che
         remarks.push("the scenes differ".to_owned());
     }
     if a.revision() != b.revision() {
-        remarks.push(format!(
-            "revision {} against {}",
-            a.revision(),
-            b.revision()
-        ));
+        remarks.push(format!("revision {} against {}", a.revision(), b.revision()));
     }
     let mut fields = Vec::new();
     for one in &columns_a {
@@ -72,11 +68,7 @@ pub fn compare(a: &Mapped, b: &Mapped, tolerance: f64) -> Result<Difference, Che
     }
     let mut difference = Difference {
         same: false,
-        matched_by: if pairing.identities.is_some() {
-            "identity"
-        } else {
-            "order"
-        },
+        matched_by: if pairing.identities.is_some() { "identity" } else { "order" },
         clock,
         remarks,
         particles_only_in_a: length(&columns_a) - pairing.pairs.len(),
@@ -104,10 +96,7 @@ impl<'a> Pairing<'a> {
     fn of(a: &[ColumnView<'a>], b: &[ColumnView<'a>]) -> Self {
         Self::by_identity(a, b).unwrap_or_else(|| {
             let common = length(a).min(length(b));
-            Self {
-                pairs: (0..common).map(|index| (index, index)).collect(),
-                identities: None,
-            }
+            Self { pairs: (0..common).map(|index| (index, index)).collect(), identities: None }
         })
     }
 
@@ -121,10 +110,7 @@ impl<'a> Pairing<'a> {
             .collect();
         // A hash map's order is random; the first file's order makes "first" mean something.
         pairs.sort_unstable();
-        Some(Self {
-            pairs,
-            identities: Some(a),
-        })
+        Some(Self { pairs, identities: Some(a) })
     }
 
     /// What to call a particle of the first file.
@@ -136,11 +122,8 @@ impl<'a> Pairing<'a> {
 
 /// Where each identity stands; none where they are no whole numbers or one occurs twice.
 fn places(identities: &ColumnView<'_>) -> Option<HashMap<u64, usize>> {
-    let places: HashMap<u64, usize> = identities
-        .values()
-        .enumerate()
-        .map(|(index, identity)| (identity as u64, index))
-        .collect();
+    let places: HashMap<u64, usize> =
+        identities.values().enumerate().map(|(index, identity)| (identity as u64, index)).collect();
     (identities.is_integer() && places.len() == identities.len()).then_some(places)
 }
 
@@ -152,11 +135,7 @@ fn compare_field(
 ) -> FieldDifference {
     let magnitudes = a.values().chain(b.values()).map(f64::abs);
     let scale = magnitudes.filter(|value| value.is_finite());
-    let allowed = if a.is_integer() && b.is_integer() {
-        0.0
-    } else {
-        tolerance * scale.fold(0.0, f64::max)
-    };
+    let allowed = if a.is_integer() && b.is_integer() { 0.0 } else { tolerance * scale.fold(0.0, f64::max) };
     let mut result = FieldDifference {
         name: a.name().to_owned(),
         unit: a.unit().to_owned(),
@@ -189,11 +168,7 @@ fn distance(a: f64, b: f64) -> f64 {
         return 0.0;
     }
     let distance = (a - b).abs();
-    if distance.is_nan() {
-        f64::INFINITY
-    } else {
-        distance
-    }
+    if distance.is_nan() { f64::INFINITY } else { distance }
 }
 
 fn clocks(a: &Clock, b: &Clock, tolerance: f64) -> Vec<String> {
@@ -222,9 +197,7 @@ fn clocks(a: &Clock, b: &Clock, tolerance: f64) -> Vec<String> {
 
 fn numbers(clock: &Clock) -> BTreeMap<&str, f64> {
     let scalars = clock.scalars.iter();
-    let mut numbers: BTreeMap<&str, f64> = scalars
-        .map(|(name, value)| (name.as_str(), *value))
-        .collect();
+    let mut numbers: BTreeMap<&str, f64> = scalars.map(|(name, value)| (name.as_str(), *value)).collect();
     numbers.extend([("time", clock.time), ("last step size", clock.step_size)]);
     numbers
 }
@@ -234,8 +207,6 @@ fn length(columns: &[ColumnView<'_>]) -> usize {
 }
 
 fn missing(columns: &[ColumnView<'_>], others: &[ColumnView<'_>]) -> Vec<String> {
-    let missing = columns
-        .iter()
-        .filter(|one| column(others, one.name()).is_none());
+    let missing = columns.iter().filter(|one| column(others, one.name()).is_none());
     missing.map(|column| column.name().to_owned()).collect()
 }

@@ -67,16 +67,8 @@ fn text(difference: &Difference, output: &mut dyn Write) -> io::Result<()> {
         writeln!(output, "{sentence}")?;
     }
     for (letter, particles, fields) in [
-        (
-            "a",
-            difference.particles_only_in_a,
-            &difference.fields_only_in_a,
-        ),
-        (
-            "b",
-            difference.particles_only_in_b,
-            &difference.fields_only_in_b,
-        ),
+        ("a", difference.particles_only_in_a, &difference.fields_only_in_a),
+        ("b", difference.particles_only_in_b, &difference.fields_only_in_b),
     ] {
         if particles > 0 {
             writeln!(output, "{particles} particles only in {letter}")?;
@@ -102,16 +94,7 @@ fn text(difference: &Difference, output: &mut dyn Write) -> io::Result<()> {
         row.extend(first);
         row
     });
-    let head = [
-        "field",
-        "unit",
-        "largest",
-        "rms",
-        "differing",
-        "first",
-        "in a",
-        "in b",
-    ];
+    let head = ["field", "unit", "largest", "rms", "differing", "first", "in a", "in b"];
     writeln!(output, "{}", print::table(&head, rows))?;
     let verdict = if difference.same { "same" } else { "different" };
     writeln!(output, "\n{verdict}")

@@ -61,13 +61,6 @@ impl Failure {
 
 /// The names of the columns, for a message.
 pub fn known(columns: &[ColumnView<'_>]) -> String {
-    let names: Vec<String> = columns
-        .iter()
-        .map(|column| format!("`{}`", column.name()))
-        .collect();
-    if names.is_empty() {
-        "none".to_owned()
-    } else {
-        names.join(", ")
-    }
+    let names: Vec<String> = columns.iter().map(|column| format!("`{}`", column.name())).collect();
+    if names.is_empty() { "none".to_owned() } else { names.join(", ") }
 }

@@ -93,10 +93,7 @@ fn execute(arguments: &Arguments, output: &mut dyn Write) -> Result<Verdict, Fai
 }
 
 fn show(arguments: &Arguments, output: &mut dyn Write) -> Result<Verdict, Failure> {
-    let path = arguments
-        .checkpoint
-        .as_deref()
-        .ok_or(Failure::NothingNamed)?;
+    let path = arguments.checkpoint.as_deref().ok_or(Failure::NothingNamed)?;
     let path = newest(path)?;
     let (survey, damage) = survey::take(&path, &arguments.fields, arguments.at)?;
     if arguments.json {
@@ -116,9 +113,7 @@ fn show(arguments: &Arguments, output: &mut dyn Write) -> Result<Verdict, Failur
 fn newest(path: &Path) -> Result<PathBuf, Failure> {
     match all(path)?.pop() {
         Some(path) => Ok(path),
-        None => Err(Failure::NoCheckpoint {
-            folder: path.to_path_buf(),
-        }),
+        None => Err(Failure::NoCheckpoint { folder: path.to_path_buf() }),
     }
 }
 

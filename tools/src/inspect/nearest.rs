@@ -26,10 +26,7 @@ impl FromStr for Place {
                 "found `{text}`, expected two lengths with a comma between them, as in `2 um, 0`"
             ));
         };
-        Ok(Self {
-            radius: length(radius)?,
-            axial: length(axial)?,
-        })
+        Ok(Self { radius: length(radius)?, axial: length(axial)? })
     }
 }
 
@@ -37,9 +34,8 @@ impl FromStr for Place {
 fn length(text: &str) -> Result<f64, String> {
     let text = text.trim();
     let unit_start = text.rfind(|letter: char| !letter.is_alphabetic());
-    let number_end = unit_start.map_or(0, |start| {
-        start + text[start..].chars().next().map_or(0, char::len_utf8)
-    });
+    let number_end =
+        unit_start.map_or(0, |start| start + text[start..].chars().next().map_or(0, char::len_utf8));
     let (number, unit) = text.split_at(number_end);
     let scale = match unit {
         "" | "m" => 1.0,
@@ -49,17 +45,13 @@ fn length(text: &str) -> Result<f64, String> {
         "um" | "\u{b5}m" | "\u{3bc}m" => 1e-6,
         "nm" => 1e-9,
         _ => {
-            return Err(format!(
-                "found the unit `{unit}`, expected one of m, cm, mm, um, nm"
-            ));
+            return Err(format!("found the unit `{unit}`, expected one of m, cm, mm, um, nm"));
         }
     };
     let number: Option<f64> = number.trim().parse().ok();
     match number.filter(|number| number.is_finite()) {
         Some(number) => Ok(number * scale),
-        None => Err(format!(
-            "found `{text}`, expected a length such as `2.5 um`"
-        )),
+        None => Err(format!("found `{text}`, expected a length such as `2.5 um`")),
     }
 }
 
@@ -89,9 +81,7 @@ pub fn nearest(
     chosen: &[ColumnView<'_>],
 ) -> Result<Nearest, Failure> {
     let (Some(radius), Some(axial)) = (column(columns, "radius"), column(columns, "axial")) else {
-        return Err(Failure::NoCoordinates {
-            known: known(columns),
-        });
+        return Err(Failure::NoCoordinates { known: known(columns) });
     };
     let places = radius.values().zip(axial.values());
     let (particle, distance) = places
@@ -106,9 +96,5 @@ pub fn nearest(
         unit: column.unit().to_owned(),
         value: column.value(particle).unwrap_or(f64::NAN),
     });
-    Ok(Nearest {
-        particle,
-        distance,
-        fields: fields.collect(),
-    })
+    Ok(Nearest { particle, distance, fields: fields.collect() })
 }

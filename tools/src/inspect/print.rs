@@ -105,19 +105,13 @@ pub fn number(value: f64) -> String {
 
 /// Digits without the zeros that end a fraction.
 fn trimmed(digits: &str) -> &str {
-    if digits.contains('.') {
-        digits.trim_end_matches('0').trim_end_matches('.')
-    } else {
-        digits
-    }
+    if digits.contains('.') { digits.trim_end_matches('0').trim_end_matches('.') } else { digits }
 }
 
 fn head(survey: &Survey, output: &mut dyn Write) -> io::Result<()> {
     let title = survey.title.as_deref().unwrap_or("without title");
     let checksums = if survey.whole { "good" } else { "DAMAGED" };
-    let particles = survey
-        .particles
-        .map_or("unknown".to_owned(), |particles| particles.to_string());
+    let particles = survey.particles.map_or("unknown".to_owned(), |particles| particles.to_string());
     let time = number(survey.time);
     let step_size = number(survey.step_size);
     writeln!(output, "checkpoint  {}", survey.file)?;
@@ -154,16 +148,7 @@ fn fields(fields: &[Field]) -> String {
             of.non_finite.to_string(),
         ]
     });
-    let head = [
-        "field",
-        "symbol",
-        "unit",
-        "minimum",
-        "maximum",
-        "mean",
-        "deviation",
-        "non-finite",
-    ];
+    let head = ["field", "symbol", "unit", "minimum", "maximum", "mean", "deviation", "non-finite"];
     table(&head, rows)
 }
 
@@ -181,25 +166,12 @@ fn histogram(histogram: &Histogram, output: &mut dyn Write) -> io::Result<()> {
 
 fn nearest(nearest: &Nearest, output: &mut dyn Write) -> io::Result<()> {
     let distance = number(nearest.distance);
-    writeln!(
-        output,
-        "\nnearest particle: index {}, {distance} m away",
-        nearest.particle
-    )?;
+    writeln!(output, "\nnearest particle: index {}, {distance} m away", nearest.particle)?;
     let rows = nearest.fields.iter().map(|field| {
         let value = number(field.value);
-        vec![
-            field.name.clone(),
-            field.symbol.clone(),
-            value,
-            field.unit.clone(),
-        ]
+        vec![field.name.clone(), field.symbol.clone(), value, field.unit.clone()]
     });
-    writeln!(
-        output,
-        "{}",
-        table(&["field", "symbol", "value", "unit"], rows)
-    )
+    writeln!(output, "{}", table(&["field", "symbol", "value", "unit"], rows))
 }
 
 fn size(bytes: u64) -> String {

@@ -72,13 +72,8 @@ impl Histogram {
             let share = bin as f64 / number as f64;
             minimum * (1.0 - share) + maximum * share
         };
-        let mut bins: Vec<Bin> = (0..number)
-            .map(|bin| Bin {
-                from: edge(bin),
-                to: edge(bin + 1),
-                count: 0,
-            })
-            .collect();
+        let mut bins: Vec<Bin> =
+            (0..number).map(|bin| Bin { from: edge(bin), to: edge(bin + 1), count: 0 }).collect();
         for value in values.filter(|value| value.is_finite()) {
             let share = (value / 2.0 - minimum / 2.0) / half_span;
             // Where all values are equal the share is no number, which the cast turns to zero.

@@ -88,10 +88,7 @@ pub fn take(
     let columns = mapped.columns()?;
     let chosen = choose(&columns, names)?;
     survey.particles = Some(columns.first().map_or(0, ColumnView::len));
-    survey.fields = chosen
-        .iter()
-        .map(|column| field(column, !names.is_empty()))
-        .collect();
+    survey.fields = chosen.iter().map(|column| field(column, !names.is_empty())).collect();
     if names.is_empty() {
         survey.totals = totals(&columns);
     }
@@ -102,18 +99,13 @@ pub fn take(
 }
 
 /// The columns of these names, or all where no name is given.
-fn choose<'a>(
-    columns: &[ColumnView<'a>],
-    names: &[String],
-) -> Result<Vec<ColumnView<'a>>, Failure> {
+fn choose<'a>(columns: &[ColumnView<'a>], names: &[String]) -> Result<Vec<ColumnView<'a>>, Failure> {
     if names.is_empty() {
         return Ok(columns.to_vec());
     }
     let chosen = names.iter().map(|name| {
-        column(columns, name).ok_or_else(|| Failure::UnknownField {
-            name: name.clone(),
-            known: known(columns),
-        })
+        column(columns, name)
+            .ok_or_else(|| Failure::UnknownField { name: name.clone(), known: known(columns) })
     });
     chosen.collect()
 }

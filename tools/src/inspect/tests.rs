@@ -50,12 +50,7 @@ fn column(name: &str, unit: &str, data: Data) -> Column {
 fn sample() -> Checkpoint {
     let column_of = |name, unit, values: [f64; 4]| column(name, unit, Data::F64(values.into()));
     Checkpoint {
-        clock: Clock {
-            step: 12,
-            time: 2.5e-6,
-            step_size: 1e-9,
-            scalars: vec![("gauge".to_owned(), 0.5)],
-        },
+        clock: Clock { step: 12, time: 2.5e-6, step_size: 1e-9, scalars: vec![("gauge".to_owned(), 0.5)] },
         scene: "title = \"A line\"\n".to_owned(),
         revision: "0123abc".to_owned(),
         columns: vec![
@@ -130,12 +125,7 @@ fn a_run_folder_shows_its_newest_checkpoint() {
     }
     let density = output.lines().find(|line| line.contains("density"));
     let words: Vec<&str> = density.unwrap().split_whitespace().collect();
-    assert_eq!(
-        words,
-        [
-            "density", "d", "kg/m3", "998", "1000", "999", "0.816497", "1"
-        ]
-    );
+    assert_eq!(words, ["density", "d", "kg/m3", "998", "1000", "999", "0.816497", "1"]);
     assert!(!output.contains('█'));
     let inner = file.parent().unwrap();
     assert_eq!(good(&[text(inner)]), output);

@@ -18,11 +18,7 @@ pub fn totals(columns: &[ColumnView<'_>]) -> Vec<Total> {
     let column = |name| column(columns, name);
     let mut totals = Vec::new();
     let mut add = |name, unit: &str, value| {
-        totals.push(Total {
-            name,
-            unit: unit.to_owned(),
-            value,
-        });
+        totals.push(Total { name, unit: unit.to_owned(), value });
     };
     if let Some(mass) = column("mass") {
         add("mass", mass.unit(), mass.values().sum());
@@ -34,10 +30,9 @@ pub fn totals(columns: &[ColumnView<'_>]) -> Vec<Total> {
             add("kinetic energy", "J", energies.sum());
         }
     }
-    for (coordinate, lowest, highest) in [
-        ("radius", "smallest r", "largest r"),
-        ("axial", "smallest z", "largest z"),
-    ] {
+    for (coordinate, lowest, highest) in
+        [("radius", "smallest r", "largest r"), ("axial", "smallest z", "largest z")]
+    {
         let Some(column) = column(coordinate) else {
             continue;
         };

@@ -24,9 +24,7 @@ pub fn run(arguments: &Arguments, output: &mut dyn Write) -> Result<Verdict, Fai
     for named in &arguments.files {
         let files = all(named)?;
         if files.is_empty() {
-            unreadable = Some(Failure::NoCheckpoint {
-                folder: named.clone(),
-            });
+            unreadable = Some(Failure::NoCheckpoint { folder: named.clone() });
         }
         for file in files {
             match check(&file) {

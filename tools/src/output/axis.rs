@@ -16,35 +16,21 @@ impl Axis {
     /// From `low` to `high`; widened where they coincide.
     pub(super) fn linear(low: f64, high: f64) -> Self {
         let (low, high) = widened(low, high);
-        Self {
-            low,
-            high,
-            logarithmic: false,
-        }
+        Self { low, high, logarithmic: false }
     }
 
     /// Around all values (finite, and positive if logarithmic), with a margin.
     pub(super) fn around(values: impl Iterator<Item = f64>, logarithmic: bool) -> Self {
         let (low, high) = values
             .map(|value| if logarithmic { value.log10() } else { value })
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
-                (low.min(value), high.max(value))
-            });
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
         let (low, high) = widened(low, high);
         let margin = MARGIN * (high - low);
         let (low, high) = (low - margin, high + margin);
         let back = |value: f64| {
-            if logarithmic {
-                10f64.powf(value)
-            } else {
-                value
-            }
+            if logarithmic { 10f64.powf(value) } else { value }
         };
-        Self {
-            low: back(low),
-            high: back(high),
-            logarithmic,
-        }
+        Self { low: back(low), high: back(high), logarithmic }
     }
 
     /// Where a value lies: 0 at the low end, 1 at the high one.
@@ -66,12 +52,8 @@ impl Axis {
             [first, second, ..] => second - first,
             _ => self.high - self.low,
         };
-        let largest = values
-            .iter()
-            .fold(step, |largest, value| largest.max(value.abs()));
-        let labels = values
-            .iter()
-            .map(|value| linear_label(*value, step, largest));
+        let largest = values.iter().fold(step, |largest, value| largest.max(value.abs()));
+        let labels = values.iter().map(|value| linear_label(*value, step, largest));
         values.iter().copied().zip(labels).collect()
     }
 
@@ -108,11 +90,7 @@ fn widened(low: f64, high: f64) -> (f64, f64) {
 
 fn linear_label(value: f64, step: f64, largest: f64) -> String {
     // A sum of steps may miss zero by a rounding.
-    let value = if value.abs() < 1e-9 * step {
-        0.0
-    } else {
-        value
-    };
+    let value = if value.abs() < 1e-9 * step { 0.0 } else { value };
     let (step, largest) = (decimal_exponent(step, 2), decimal_exponent(largest, 2));
     if !(-4..6).contains(&largest) {
         if value == 0.0 {
@@ -148,27 +126,15 @@ mod tests {
     use super::*;
 
     fn labels(axis: &Axis, count: usize) -> Vec<String> {
-        axis.ticks(count)
-            .into_iter()
-            .map(|(_, label)| label)
-            .collect()
+        axis.ticks(count).into_iter().map(|(_, label)| label).collect()
     }
 
     #[test]
     fn linear_labels_have_the_digits_that_the_step_needs() {
-        assert_eq!(
-            labels(&Axis::linear(0.0, 1.0), 5),
-            ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]
-        );
+        assert_eq!(labels(&Axis::linear(0.0, 1.0), 5), ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
         assert_eq!(labels(&Axis::linear(-50.0, 50.0), 2), ["-50", "0", "50"]);
-        assert_eq!(
-            labels(&Axis::linear(0.0, 3e-7), 3),
-            ["0", "1e-7", "2e-7", "3e-7"]
-        );
-        assert_eq!(
-            labels(&Axis::linear(1e7, 1.2e7), 2),
-            ["1.0e7", "1.1e7", "1.2e7"]
-        );
+        assert_eq!(labels(&Axis::linear(0.0, 3e-7), 3), ["0", "1e-7", "2e-7", "3e-7"]);
+        assert_eq!(labels(&Axis::linear(1e7, 1.2e7), 2), ["1.0e7", "1.1e7", "1.2e7"]);
         assert!(labels(&Axis::linear(998.0, 998.0), 5).len() > 2);
     }
 

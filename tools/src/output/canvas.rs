@@ -42,11 +42,7 @@ pub(super) struct Pen {
 
 impl Pen {
     pub(super) fn solid(colour: Colour, width: f64) -> Self {
-        Self {
-            colour,
-            width,
-            dashed: false,
-        }
+        Self { colour, width, dashed: false }
     }
 }
 
@@ -57,9 +53,7 @@ pub(super) struct Canvas {
 
 impl Canvas {
     pub(super) fn new(width: f64, height: f64) -> Self {
-        Self {
-            scene: Scene::new(width, height),
-        }
+        Self { scene: Scene::new(width, height) }
     }
 
     /// About how wide a text will be.
@@ -68,14 +62,7 @@ impl Canvas {
     }
 
     /// A line of text with its baseline at `place`.
-    pub(super) fn text(
-        &mut self,
-        place: (f64, f64),
-        size: u32,
-        colour: Colour,
-        anchor: Anchor,
-        text: &str,
-    ) {
+    pub(super) fn text(&mut self, place: (f64, f64), size: u32, colour: Colour, anchor: Anchor, text: &str) {
         self.scene.add(Primitive::Text {
             x: place.0,
             y: place.1,
@@ -143,9 +130,7 @@ impl Canvas {
 
     /// The surface as a PNG file.
     pub(super) fn png(&self, pixels_per_unit: f32) -> Result<Vec<u8>, String> {
-        RasterBackend::new()
-            .with_scale(pixels_per_unit)
-            .render_scene(&self.scene)
+        RasterBackend::new().with_scale(pixels_per_unit).render_scene(&self.scene)
     }
 
     /// The surface as an SVG file.
@@ -169,10 +154,7 @@ fn dashes(points: &[(f64, f64)]) -> Vec<Vec<(f64, f64)>> {
         let mut done = 0.0;
         while length - done > left {
             done += left;
-            let place = (
-                x + (to_x - x) * done / length,
-                y + (to_y - y) * done / length,
-            );
+            let place = (x + (to_x - x) * done / length, y + (to_y - y) * done / length);
             if drawing {
                 dash.push(place);
                 dashes.push(std::mem::take(&mut dash));
@@ -200,15 +182,11 @@ mod tests {
     #[test]
     fn dashes_do_not_depend_on_the_points_of_a_line() {
         let straight = |count: usize| -> Vec<(f64, f64)> {
-            (0..=count)
-                .map(|index| (25.0 * index as f64 / count as f64, 0.0))
-                .collect()
+            (0..=count).map(|index| (25.0 * index as f64 / count as f64, 0.0)).collect()
         };
         for count in [1, 7, 100] {
-            let ends: Vec<(f64, f64)> = dashes(&straight(count))
-                .iter()
-                .map(|dash| (dash[0].0, dash[dash.len() - 1].0))
-                .collect();
+            let ends: Vec<(f64, f64)> =
+                dashes(&straight(count)).iter().map(|dash| (dash[0].0, dash[dash.len() - 1].0)).collect();
             for (end, expected) in ends.iter().zip([(0.0, 6.0), (10.0, 16.0), (20.0, 25.0)]) {
                 assert!((end.0 - expected.0).abs() + (end.1 - expected.1).abs() < 1e-9);
             }

@@ -63,26 +63,16 @@ impl OutputError {
     /// Wraps an error of the operating system with what was tried and where.
     pub(crate) fn file(action: &'static str, path: &Path) -> impl FnOnce(io::Error) -> Self {
         let path = path.to_path_buf();
-        move |source| Self::File {
-            action,
-            path,
-            source,
-        }
+        move |source| Self::File { action, path, source }
     }
 
     /// A file whose content is wrong.
     pub(crate) fn content(path: &Path, problem: impl Into<String>) -> Self {
-        Self::Content {
-            path: path.to_path_buf(),
-            problem: problem.into(),
-        }
+        Self::Content { path: path.to_path_buf(), problem: problem.into() }
     }
 
     /// Data that cannot become the file asked for.
     pub(crate) fn data(path: &Path, problem: impl Into<String>) -> Self {
-        Self::Data {
-            path: path.to_path_buf(),
-            problem: problem.into(),
-        }
+        Self::Data { path: path.to_path_buf(), problem: problem.into() }
     }
 }

@@ -7,13 +7,7 @@ use super::atomic::UNFINISHED_PREFIX;
 use super::{OutputError, OutputResult};
 
 /// Plain files that a run makes at the top of its folder.
-const FILES: [&str; 5] = [
-    "summary.json",
-    "series.csv",
-    "particles.pvd",
-    "scene.toml",
-    "trace.json",
-];
+const FILES: [&str; 5] = ["summary.json", "series.csv", "particles.pvd", "scene.toml", "trace.json"];
 /// Folders that a run makes and fills alone.
 const FOLDERS: [&str; 2] = ["checkpoints", "frames"];
 /// Endings of the pictures that a run makes at the top of its folder.
@@ -128,12 +122,8 @@ fn is_empty(path: &Path) -> OutputResult<bool> {
 fn remove_run(folder: &Path) -> OutputResult<()> {
     let entries = fs::read_dir(folder).map_err(OutputError::file("read the folder", folder))?;
     for entry in entries {
-        let path = entry
-            .map_err(OutputError::file("read the folder", folder))?
-            .path();
-        let kind = path
-            .symlink_metadata()
-            .map_err(OutputError::file("inspect", &path))?;
+        let path = entry.map_err(OutputError::file("read the folder", folder))?.path();
+        let kind = path.symlink_metadata().map_err(OutputError::file("inspect", &path))?;
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         if kind.is_dir() && FOLDERS.contains(&name.as_ref()) {
             fs::remove_dir_all(&path).map_err(OutputError::file("remove the folder", &path))?;
@@ -172,17 +162,10 @@ mod tests {
     fn an_occupied_folder_is_refused_with_the_way_out() {
         let parent = tempfile::tempdir().unwrap();
         fs::write(parent.path().join("thesis.tex"), "dear").unwrap();
-        let refusal = RunFolder::create(parent.path(), false)
-            .unwrap_err()
-            .to_string();
-        assert!(
-            refusal.contains("--out") && refusal.contains("--overwrite"),
-            "{refusal}"
-        );
+        let refusal = RunFolder::create(parent.path(), false).unwrap_err().to_string();
+        assert!(refusal.contains("--out") && refusal.contains("--overwrite"), "{refusal}");
         assert!(refusal.contains(&parent.path().display().to_string()));
-        let refusal = RunFolder::create(parent.path(), true)
-            .unwrap_err()
-            .to_string();
+        let refusal = RunFolder::create(parent.path(), true).unwrap_err().to_string();
         assert!(refusal.contains("no earlier run"), "{refusal}");
         assert!(RunFolder::open(parent.path()).is_err());
     }
@@ -191,10 +174,7 @@ mod tests {
     fn overwriting_removes_the_run_and_nothing_else() {
         let parent = tempfile::tempdir().unwrap();
         let run = RunFolder::create(parent.path().join("run"), false).unwrap();
-        for name in FILES
-            .iter()
-            .chain(&["frames/0.vtp", "checkpoints/1", "a.png", "b.svg"])
-        {
+        for name in FILES.iter().chain(&["frames/0.vtp", "checkpoints/1", "a.png", "b.svg"]) {
             fs::write(run.file(name), "old").unwrap();
         }
         for name in ["notes.txt", "analysis.py"] {

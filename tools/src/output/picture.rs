@@ -83,10 +83,7 @@ impl Window {
             })
         };
         let (r, z) = (range(particles.r)?, range(particles.z)?);
-        Some(Self {
-            r: (r.0.max(0.0), r.1),
-            z,
-        })
+        Some(Self { r: (r.0.max(0.0), r.1), z })
     }
 
     /// Whether both sides of the axis are shown: unless the liquid is further
@@ -97,11 +94,7 @@ impl Window {
 
     /// Least and greatest abscissa shown, in metres.
     fn across(&self) -> (f64, f64) {
-        if self.is_mirrored() {
-            (-self.r.1, self.r.1)
-        } else {
-            self.r
-        }
+        if self.is_mirrored() { (-self.r.1, self.r.1) } else { self.r }
     }
 }
 
@@ -112,9 +105,7 @@ impl Window {
 /// the file cannot be written.
 pub fn write_picture(path: &Path, picture: &Picture<'_>) -> OutputResult<()> {
     let problem = |problem: &str| OutputError::data(path, problem);
-    let Picture {
-        particles, shade, ..
-    } = picture;
+    let Picture { particles, shade, .. } = picture;
     let lengths = [particles.z, particles.diameter, shade.values].map(<[f64]>::len);
     if lengths.iter().any(|length| *length != particles.r.len()) {
         return Err(problem("the columns of the particles differ in length"));
@@ -132,24 +123,16 @@ pub fn write_picture(path: &Path, picture: &Picture<'_>) -> OutputResult<()> {
     let png = png.map_err(|reason| problem(&reason))?;
     let mut pixels = Pixmap::decode_png(&png).map_err(|reason| problem(&reason.to_string()))?;
     draw_particles(&mut pixels, &frame, picture, range);
-    let png = pixels
-        .encode_png()
-        .map_err(|reason| problem(&reason.to_string()))?;
+    let png = pixels.encode_png().map_err(|reason| problem(&reason.to_string()))?;
     write_atomic(path, |file| file.write_all(&png))
 }
 
 fn draw_particles(pixels: &mut Pixmap, frame: &Frame, picture: &Picture<'_>, range: (f64, f64)) {
-    let Picture {
-        particles, shade, ..
-    } = picture;
+    let Picture { particles, shade, .. } = picture;
     let mut discs = Discs::new(pixels, frame.section());
     let span = range.1 - range.0;
     for (index, value) in shade.values.iter().enumerate() {
-        let fraction = if span > 0.0 || value.is_nan() {
-            (value - range.0) / span
-        } else {
-            0.5
-        };
+        let fraction = if span > 0.0 || value.is_nan() { (value - range.0) / span } else { 0.5 };
         let colour = shade.map.at(fraction);
         let (r, z) = (particles.r[index], particles.z[index]);
         let diameter = frame.length(particles.diameter[index]);
@@ -161,11 +144,7 @@ fn draw_particles(pixels: &mut Pixmap, frame: &Frame, picture: &Picture<'_>, ran
 }
 
 fn shade_range(shade: &Shade<'_>) -> (f64, f64) {
-    let finite = shade
-        .values
-        .iter()
-        .copied()
-        .filter(|value| value.is_finite());
+    let finite = shade.values.iter().copied().filter(|value| value.is_finite());
     let ends = finite.fold(None, |ends: Option<(f64, f64)>, value| {
         let (least, greatest) = ends.unwrap_or((value, value));
         Some((least.min(value), greatest.max(value)))

@@ -67,14 +67,8 @@ const BOTTOM: f64 = SIZE.1 - 52.0;
 const TEXT: u32 = 12;
 
 /// Colours that people with any colour vision can tell apart (after Okabe and Ito).
-const COLOURS: [Colour; 6] = [
-    [0, 114, 178],
-    [213, 94, 0],
-    [0, 158, 115],
-    [204, 121, 167],
-    [230, 159, 0],
-    [86, 180, 233],
-];
+const COLOURS: [Colour; 6] =
+    [[0, 114, 178], [213, 94, 0], [0, 158, 115], [204, 121, 167], [230, 159, 0], [86, 180, 233]];
 
 /// Draws the curves to `path_png` and to the SVG file of the same name.
 ///
@@ -91,20 +85,14 @@ pub fn plot(path_png: &Path, plot: &Plot) -> OutputResult<()> {
         return Err(OutputError::data(path_png, problem));
     }
     let lines: Vec<Line<'_>> = (plot.curves.iter().zip(COLOURS.iter().cycle()))
-        .map(|(curve, colour)| Line {
-            curve,
-            colour: *colour,
-            points: drawable(plot, curve),
-        })
+        .map(|(curve, colour)| Line { curve, colour: *colour, points: drawable(plot, curve) })
         .collect();
     if lines.iter().all(|line| line.points.is_empty()) {
         let problem = format!("the plot `{}` has no points", plot.title);
         return Err(OutputError::data(path_png, problem));
     }
     let canvas = compose(plot, &lines);
-    let png = canvas
-        .png(PIXELS_PER_UNIT)
-        .map_err(|problem| OutputError::data(path_png, problem))?;
+    let png = canvas.png(PIXELS_PER_UNIT).map_err(|problem| OutputError::data(path_png, problem))?;
     write_atomic(path_png, |file| file.write_all(&png))?;
     let path_svg = path_png.with_extension("svg");
     write_atomic(&path_svg, |file| file.write_all(canvas.svg().as_bytes()))
@@ -120,24 +108,12 @@ struct Line<'a> {
 fn drawable(plot: &Plot, curve: &Curve) -> Vec<(f64, f64)> {
     let fits = |value: f64, log: bool| value.is_finite() && (!log || value > 0.0);
     let points = curve.x.iter().copied().zip(curve.y.iter().copied());
-    points
-        .filter(|&(x, y)| fits(x, plot.log_x) && fits(y, plot.log_y))
-        .collect()
+    points.filter(|&(x, y)| fits(x, plot.log_x) && fits(y, plot.log_y)).collect()
 }
 
 fn compose(plot: &Plot, lines: &[Line<'_>]) -> Canvas {
-    let x_all = || {
-        lines
-            .iter()
-            .flat_map(|line| &line.points)
-            .map(|point| point.0)
-    };
-    let y_all = || {
-        lines
-            .iter()
-            .flat_map(|line| &line.points)
-            .map(|point| point.1)
-    };
+    let x_all = || lines.iter().flat_map(|line| &line.points).map(|point| point.0);
+    let y_all = || lines.iter().flat_map(|line| &line.points).map(|point| point.1);
     let (x_label, x_factor) = fit_unit(&plot.x_label, plot.log_x, x_all());
     let (y_label, y_factor) = fit_unit(&plot.y_label, plot.log_y, y_all());
     let x_axis = Axis::around(x_all().map(|x| x * x_factor), plot.log_x);
@@ -166,16 +142,10 @@ fn compose(plot: &Plot, lines: &[Line<'_>]) -> Canvas {
         canvas.line(&[(left, y), (RIGHT, y)], Pen::solid(PALE, 0.5));
         canvas.text((left - 8.0, y + 4.0), TEXT, GREY, Anchor::End, &label);
     }
-    canvas.line(
-        &[(left, top), (left, BOTTOM), (RIGHT, BOTTOM)],
-        Pen::solid(GREY, 1.0),
-    );
+    canvas.line(&[(left, top), (left, BOTTOM), (RIGHT, BOTTOM)], Pen::solid(GREY, 1.0));
     canvas.text((RIGHT, BOTTOM + 40.0), TEXT, GREY, Anchor::End, &x_label);
     for line in lines {
-        let points = line
-            .points
-            .iter()
-            .map(|(x, y)| (x_at(x * x_factor), y_at(y * y_factor)));
+        let points = line.points.iter().map(|(x, y)| (x_at(x * x_factor), y_at(y * y_factor)));
         draw(&mut canvas, line, &points.collect::<Vec<_>>());
     }
     canvas
@@ -205,13 +175,7 @@ fn draw(canvas: &mut Canvas, line: &Line<'_>, points: &[(f64, f64)]) {
     match line.curve.style {
         Style::Points => canvas.discs(points, 3.0, line.colour),
         Style::Line => canvas.line(points, pen),
-        Style::Dashed => canvas.line(
-            points,
-            Pen {
-                dashed: true,
-                ..pen
-            },
-        ),
+        Style::Dashed => canvas.line(points, Pen { dashed: true, ..pen }),
     }
 }
 

@@ -65,10 +65,7 @@ impl SeriesWriter {
     pub fn create(path: &Path, columns: &[(&str, &str)]) -> OutputResult<Self> {
         let columns: Vec<Column> = columns
             .iter()
-            .map(|(name, unit)| Column {
-                name: (*name).to_owned(),
-                unit: (*unit).to_owned(),
-            })
+            .map(|(name, unit)| Column { name: (*name).to_owned(), unit: (*unit).to_owned() })
             .collect();
         rewrite(path, &columns, &[])?;
         Self::append_to(path, columns.len())
@@ -87,15 +84,8 @@ impl SeriesWriter {
     }
 
     fn append_to(path: &Path, columns: usize) -> OutputResult<Self> {
-        let file = OpenOptions::new()
-            .append(true)
-            .open(path)
-            .map_err(OutputError::file("open", path))?;
-        Ok(Self {
-            file,
-            path: path.to_path_buf(),
-            columns,
-        })
+        let file = OpenOptions::new().append(true).open(path).map_err(OutputError::file("open", path))?;
+        Ok(Self { file, path: path.to_path_buf(), columns })
     }
 
     /// Appends one row.
@@ -105,11 +95,7 @@ impl SeriesWriter {
     /// cannot be written.
     pub fn append(&mut self, step: u64, values: &[f64]) -> OutputResult<()> {
         if values.len() != self.columns {
-            let problem = format!(
-                "a row of {} values for {} columns",
-                values.len(),
-                self.columns
-            );
+            let problem = format!("a row of {} values for {} columns", values.len(), self.columns);
             return Err(OutputError::data(&self.path, problem));
         }
         // One write a row, so that rows are never torn between two of them.
@@ -134,10 +120,7 @@ pub fn read(path: &Path) -> OutputResult<Series> {
     }
     let columns = headers.iter().skip(1).map(|header| {
         let (name, unit) = split_label(header);
-        Column {
-            name: name.to_owned(),
-            unit: unit.to_owned(),
-        }
+        Column { name: name.to_owned(), unit: unit.to_owned() }
     });
     let columns = columns.collect();
     let rows = reader
@@ -156,9 +139,7 @@ pub fn read(path: &Path) -> OutputResult<Series> {
 
 fn rewrite(path: &Path, columns: &[Column], rows: &[Row]) -> OutputResult<()> {
     write_atomic(path, |file| {
-        let headers = columns
-            .iter()
-            .map(|column| labelled(&column.name, &column.unit));
+        let headers = columns.iter().map(|column| labelled(&column.name, &column.unit));
         let headers: Vec<String> = std::iter::once("step".to_owned()).chain(headers).collect();
         file.write_all(&encode(&headers)?)?;
         for row in rows {
@@ -179,18 +160,13 @@ fn encode_row(step: u64, values: &[f64]) -> std::io::Result<Vec<u8>> {
 fn encode(fields: &[String]) -> std::io::Result<Vec<u8>> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(fields)?;
-    writer
-        .into_inner()
-        .map_err(|error| std::io::Error::other(error.to_string()))
+    writer.into_inner().map_err(|error| std::io::Error::other(error.to_string()))
 }
 
 fn decode_row(record: &csv::StringRecord) -> Option<Row> {
     let step = record.get(0)?.parse().ok()?;
     let values = record.iter().skip(1).map(|field| field.parse().ok());
-    Some(Row {
-        step,
-        values: values.collect::<Option<_>>()?,
-    })
+    Some(Row { step, values: values.collect::<Option<_>>()? })
 }
 
 #[cfg(test)]
@@ -220,26 +196,14 @@ mod tests {
         let special = [f64::NAN, f64::INFINITY, -0.0];
         writer.append(50, &special).unwrap();
         let text = fs::read_to_string(&path).unwrap();
-        assert!(
-            text.starts_with("step,time [s],kinetic energy [J],shape\n"),
-            "{text}"
-        );
+        assert!(text.starts_with("step,time [s],kinetic energy [J],shape\n"), "{text}");
         let series = read(&path).unwrap();
         for (step, row) in series.rows.iter().enumerate().take(50) {
-            assert_eq!(
-                (row.step, &row.values[..]),
-                (step as u64, &values(step as u64)[..])
-            );
+            assert_eq!((row.step, &row.values[..]), (step as u64, &values(step as u64)[..]));
         }
         let last = &series.rows[50].values;
         assert!(last[0].is_nan() && last[1] == f64::INFINITY && last[2].is_sign_negative());
-        assert_eq!(
-            series.columns[1],
-            Column {
-                name: "kinetic energy".into(),
-                unit: "J".into()
-            }
-        );
+        assert_eq!(series.columns[1], Column { name: "kinetic energy".into(), unit: "J".into() });
         assert_eq!(series.column("time").unwrap()[3], 1.0e-7);
         assert!(series.column("pressure").is_none());
     }

@@ -166,10 +166,7 @@ pub(in crate::output) mod tests {
             core_ns_per_particle_step: 370.4,
             stages: vec![
                 stage("integrate", 2.0),
-                stage(
-                    "pair pass: density rate, riemann pressure, energy rate",
-                    14.0,
-                ),
+                stage("pair pass: density rate, riemann pressure, energy rate", 14.0),
                 stage("neighbours", 4.0),
             ],
             measures: vec![
@@ -188,11 +185,7 @@ pub(in crate::output) mod tests {
                     relative_error: None,
                 },
             ],
-            conservation: Conservation {
-                momentum_z: 3e-17,
-                energy: -1.2e-3,
-                mass: 0.0,
-            },
+            conservation: Conservation { momentum_z: 3e-17, energy: -1.2e-3, mass: 0.0 },
             version: "0.1.0".to_owned(),
         }
     }

@@ -38,14 +38,8 @@ pub fn scale(magnitude: f64, unit: &str) -> Scale {
     } else {
         0
     };
-    let prefix = PREFIXES
-        .iter()
-        .find(|(power, _)| *power == exponent)
-        .map_or("", |(_, prefix)| prefix);
-    Scale {
-        factor: 10f64.powi(-exponent),
-        unit: format!("{prefix}{}", typeset(unit)),
-    }
+    let prefix = PREFIXES.iter().find(|(power, _)| *power == exponent).map_or("", |(_, prefix)| prefix);
+    Scale { factor: 10f64.powi(-exponent), unit: format!("{prefix}{}", typeset(unit)) }
 }
 
 /// `value` (SI) with its unit and a fitting prefix: "1.235 ms".
@@ -62,11 +56,7 @@ pub fn quantity(value: f64, unit: &str, digits: usize) -> String {
 /// 1e-3 to 1e6 are written with an exponent.
 pub fn significant(value: f64, digits: usize) -> String {
     if value == 0.0 || !value.is_finite() {
-        return if value == 0.0 {
-            "0".to_owned()
-        } else {
-            value.to_string()
-        };
+        return if value == 0.0 { "0".to_owned() } else { value.to_string() };
     }
     let digits = digits.max(1);
     let exponent = decimal_exponent(value, digits);
@@ -145,9 +135,7 @@ pub fn ticks(low: f64, high: f64, count: usize) -> Vec<f64> {
 /// Exponent of ten of `value` once rounded to so many digits.
 pub(super) fn decimal_exponent(value: f64, digits: usize) -> i32 {
     let text = format!("{value:.*e}", digits - 1);
-    text.rsplit_once('e')
-        .and_then(|(_, exponent)| exponent.parse().ok())
-        .unwrap_or(0)
+    text.rsplit_once('e').and_then(|(_, exponent)| exponent.parse().ok()).unwrap_or(0)
 }
 
 fn takes_prefix(unit: &str) -> bool {

@@ -57,19 +57,13 @@ pub fn write_vtp(path: &Path, points: (&[f64], &[f64]), fields: &[Field<'_>]) ->
     let count = points.0.len();
     let positions = FieldData::Vector(points.0, points.1);
     if u32::try_from(count).is_err() {
-        return Err(OutputError::data(
-            path,
-            format!("{count} particles are too many"),
-        ));
+        return Err(OutputError::data(path, format!("{count} particles are too many")));
     }
     if !positions.has_length(count) {
         return Err(OutputError::data(path, "r and z differ in length"));
     }
     if let Some(field) = fields.iter().find(|field| !field.data.has_length(count)) {
-        let problem = format!(
-            "`{}` has not one value for each of {count} particles",
-            field.name
-        );
+        let problem = format!("`{}` has not one value for each of {count} particles", field.name);
         return Err(OutputError::data(path, problem));
     }
     let array = |name: String, content| Array { name, content };
@@ -78,15 +72,9 @@ pub fn write_vtp(path: &Path, points: (&[f64], &[f64]), fields: &[Field<'_>]) ->
         .map(|field| array(labelled(field.name, field.unit), Content::Field(field.data)))
         .collect();
     let positions = [array("position [m]".into(), Content::Field(positions))];
-    let vertices = [
-        array("connectivity".into(), Content::CountFrom(0)),
-        array("offsets".into(), Content::CountFrom(1)),
-    ];
-    let sections = [
-        ("PointData", &fields[..]),
-        ("Points", &positions[..]),
-        ("Verts", &vertices[..]),
-    ];
+    let vertices =
+        [array("connectivity".into(), Content::CountFrom(0)), array("offsets".into(), Content::CountFrom(1))];
+    let sections = [("PointData", &fields[..]), ("Points", &positions[..]), ("Verts", &vertices[..])];
     write_atomic(path, |out| write_sections(out, count, &sections))
 }
 
@@ -109,11 +97,7 @@ pub fn write_pvd(path: &Path, frames: &[(f64, String)]) -> OutputResult<()> {
     })
 }
 
-fn write_sections(
-    out: &mut impl Write,
-    count: usize,
-    sections: &[(&str, &[Array<'_>])],
-) -> io::Result<()> {
+fn write_sections(out: &mut impl Write, count: usize, sections: &[(&str, &[Array<'_>])]) -> io::Result<()> {
     write!(
         out,
         "<?xml version=\"1.0\"?>\n\
@@ -137,10 +121,7 @@ fn write_sections(
         }
         writeln!(out, "</{section}>")?;
     }
-    write!(
-        out,
-        "</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_"
-    )?;
+    write!(out, "</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_")?;
     for array in sections.iter().flat_map(|(_, arrays)| *arrays) {
         out.write_all(&(array.content.bytes(count) as u64).to_le_bytes())?;
         array.content.write(out, count)?;
@@ -178,9 +159,9 @@ impl Content<'_> {
 
     fn write(self, out: &mut impl Write, count: usize) -> io::Result<()> {
         match self {
-            Self::Field(FieldData::Scalar(values)) => values
-                .iter()
-                .try_for_each(|value| out.write_all(&value.to_le_bytes())),
+            Self::Field(FieldData::Scalar(values)) => {
+                values.iter().try_for_each(|value| out.write_all(&value.to_le_bytes()))
+            }
             Self::Field(FieldData::Vector(radial, axial)) => {
                 radial.iter().zip(axial).try_for_each(|(radial, axial)| {
                     out.write_all(&radial.to_le_bytes())?;
@@ -188,20 +169,18 @@ impl Content<'_> {
                     out.write_all(&0f64.to_le_bytes())
                 })
             }
-            Self::Field(FieldData::Index(values)) => values
-                .iter()
-                .try_for_each(|value| out.write_all(&value.to_le_bytes())),
-            Self::CountFrom(first) => (0..count as u32)
-                .try_for_each(|index| out.write_all(&(first + index).to_le_bytes())),
+            Self::Field(FieldData::Index(values)) => {
+                values.iter().try_for_each(|value| out.write_all(&value.to_le_bytes()))
+            }
+            Self::CountFrom(first) => {
+                (0..count as u32).try_for_each(|index| out.write_all(&(first + index).to_le_bytes()))
+            }
         }
     }
 }
 
 fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
-        .replace('"', "&quot;")
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 #[cfg(test)]

@@ -9,16 +9,11 @@ use std::f64::consts::PI;
 
 const SIZE: f64 = 1e-6;
 
-const SPHERE: Disc = Disc {
-    centre: 0.0,
-    radius: 12.0 * SIZE,
-};
+const SPHERE: Disc = Disc { centre: 0.0, radius: 12.0 * SIZE };
 
 fn depths(packing: &Packing, region: &dyn Region) -> Vec<f64> {
     let places = packing.r.iter().zip(&packing.z);
-    places
-        .map(|(&r, &z)| -region.signed_distance(r, z) / SIZE)
-        .collect()
+    places.map(|(&r, &z)| -region.signed_distance(r, z) / SIZE).collect()
 }
 
 fn volume(packing: &Packing, origin: f64) -> f64 {
@@ -42,37 +37,20 @@ fn a_sphere_is_filled_evenly_up_to_a_layer_at_half_a_size() {
     let packing = pack(&SPHERE, &PackingOptions::new(SIZE)).unwrap();
     assert_eq!(packing.r.len(), 226, "pi 12^2 / 2 = 226.2");
     assert!((volume(&packing, 0.0) / SPHERE.volume() - 1.0).abs() < 1e-13);
-    assert!(
-        packing
-            .area
-            .iter()
-            .all(|area| (area / SIZE.powi(2) - 1.0).abs() < 0.01)
-    );
-    assert!(
-        packing.r.iter().all(|&r| r > 0.4 * SIZE),
-        "no particle crowds the axis"
-    );
+    assert!(packing.area.iter().all(|area| (area / SIZE.powi(2) - 1.0).abs() < 0.01));
+    assert!(packing.r.iter().all(|&r| r > 0.4 * SIZE), "no particle crowds the axis");
     assert!(shortest_distance(&packing) > 0.75);
 
     let depths = depths(&packing, &SPHERE);
     let layer = depths.iter().filter(|&&depth| depth < 0.75).count();
     // A layer of thickness D along the half circle of radius 11.5 D holds 36 particles.
-    assert!(
-        (33..=39).contains(&layer),
-        "{layer} particles in the outermost layer"
-    );
+    assert!((33..=39).contains(&layer), "{layer} particles in the outermost layer");
     for depth in depths.iter().filter(|&&depth| depth < 0.75) {
-        assert!(
-            (depth - 0.5).abs() < 1e-6,
-            "outermost layer at depth {depth}"
-        );
+        assert!((depth - 0.5).abs() < 1e-6, "outermost layer at depth {depth}");
     }
     let shallow = depths.iter().filter(|&&depth| depth < 6.0).count() as f64;
     let exact = PI / 2.0 * (12.0f64.powi(2) - 6.0f64.powi(2));
-    assert!(
-        (shallow / exact - 1.0).abs() < 0.03,
-        "outer half holds {shallow} of {exact}"
-    );
+    assert!((shallow / exact - 1.0).abs() < 0.03, "outer half holds {shallow} of {exact}");
 }
 
 #[test]
@@ -81,91 +59,53 @@ fn a_settled_packing_pushes_nothing_but_the_outermost_layer() {
     let packing = pack(&SPHERE, &PackingOptions::new(SIZE)).unwrap();
     let bottom = SPHERE.bounds()[2];
     let places = packing.r.iter().zip(&packing.z);
-    let points: Vec<_> = places
-        .map(|(r, z)| [r / SIZE, (z - bottom) / SIZE])
-        .collect();
+    let points: Vec<_> = places.map(|(r, z)| [r / SIZE, (z - bottom) / SIZE]).collect();
     let mut cells = Cells::default();
     cells.fill(&relax::sources(&domain, &points, &relax::dust(&domain)));
     for (point, depth) in points.iter().zip(depths(&packing, &SPHERE)) {
         let [push_r, push_z] = relax::gradient(&cells, *point, 2.0);
         let push = push_r.hypot(push_z);
-        assert!(
-            depth < 0.75 || push < 0.02,
-            "{point:?} at depth {depth} feels {push}"
-        );
+        assert!(depth < 0.75 || push < 0.02, "{point:?} at depth {depth} feels {push}");
     }
 }
 
 #[test]
 fn a_section_far_from_the_axis_mirrors_nothing() {
-    let region = Disc {
-        centre: 6.0 * SIZE,
-        radius: 6.0 * SIZE,
-    };
+    let region = Disc { centre: 6.0 * SIZE, radius: 6.0 * SIZE };
     let origin = 1.0;
     let volume_there = 2.0 * PI * (origin + region.centre) * PI * region.radius.powi(2);
-    let mut options = PackingOptions {
-        origin,
-        ..PackingOptions::new(SIZE)
-    };
-    assert_eq!(
-        pack(&region, &options),
-        Err(PackingError::NoVolume { origin })
-    );
+    let mut options = PackingOptions { origin, ..PackingOptions::new(SIZE) };
+    assert_eq!(pack(&region, &options), Err(PackingError::NoVolume { origin }));
     options.volume = Some(volume_there);
     let packing = pack(&region, &options).unwrap();
     assert_eq!(packing.r.len(), 113);
     assert!((volume(&packing, origin) / volume_there - 1.0).abs() < 1e-12);
     // Its layer goes round the whole circle of circumference 34.6 D, also where r is next to zero.
-    let layer = depths(&packing, &region)
-        .into_iter()
-        .filter(|depth| (depth - 0.5).abs() < 1e-6);
+    let layer = depths(&packing, &region).into_iter().filter(|depth| (depth - 0.5).abs() < 1e-6);
     assert!((31..=37).contains(&layer.count()));
 }
 
 #[test]
 fn a_period_has_no_ends() {
-    let region = Cylinder {
-        radius: 6.0 * SIZE,
-        height: 20.3 * SIZE,
-        endless: true,
-    };
+    let region = Cylinder { radius: 6.0 * SIZE, height: 20.3 * SIZE, endless: true };
     let period = Some(region.height);
-    let options = PackingOptions {
-        period,
-        ..PackingOptions::new(SIZE)
-    };
+    let options = PackingOptions { period, ..PackingOptions::new(SIZE) };
     let packing = pack(&region, &options).unwrap();
     assert_eq!(packing.r.len(), 122);
     assert!(packing.z.iter().all(|z| (0.0..region.height).contains(z)));
     // Shifted by a period, the lower half continues the upper half at the usual distance.
     let mut joined = packing.clone();
     for (z, place) in packing.z.iter().zip(&mut joined.z) {
-        *place = if *z < region.height / 2.0 {
-            z + region.height
-        } else {
-            *z
-        };
+        *place = if *z < region.height / 2.0 { z + region.height } else { *z };
     }
     assert!(shortest_distance(&joined) > 0.75);
-    let near_join = joined
-        .z
-        .iter()
-        .filter(|&z| (z - region.height).abs() < 2.0 * SIZE)
-        .count();
-    assert!(
-        (21..=27).contains(&near_join),
-        "{near_join} particles on an area of 24 D^2"
-    );
+    let near_join = joined.z.iter().filter(|&z| (z - region.height).abs() < 2.0 * SIZE).count();
+    assert!((21..=27).contains(&near_join), "{near_join} particles on an area of 24 D^2");
 }
 
 #[test]
 fn corners_are_filled() {
-    let region = Cylinder {
-        radius: 6.0 * SIZE,
-        height: 8.0 * SIZE,
-        endless: false,
-    };
+    let region = Cylinder { radius: 6.0 * SIZE, height: 8.0 * SIZE, endless: false };
     let packing = pack(&region, &PackingOptions::new(SIZE)).unwrap();
     assert!(depths(&packing, &region).iter().all(|&depth| depth > 0.49));
     for corner in [0.5 * SIZE, 7.5 * SIZE] {
@@ -178,15 +118,8 @@ fn corners_are_filled() {
 #[test]
 fn the_seed_alone_decides() {
     let on_threads = |threads: usize, seed: u64| {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .unwrap();
-        let options = PackingOptions {
-            seed,
-            iterations: 50,
-            ..PackingOptions::new(SIZE)
-        };
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let options = PackingOptions { seed, iterations: 50, ..PackingOptions::new(SIZE) };
         pool.install(|| pack(&SPHERE, &options).unwrap())
     };
     assert_eq!(on_threads(1, 7), on_threads(3, 7));
@@ -197,49 +130,22 @@ fn the_seed_alone_decides() {
 fn impossible_requests_are_refused() {
     let options = |particle_size: f64| PackingOptions::new(particle_size);
     for size in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        assert!(matches!(
-            pack(&SPHERE, &options(size)),
-            Err(PackingError::Option { .. })
-        ));
+        assert!(matches!(pack(&SPHERE, &options(size)), Err(PackingError::Option { .. })));
     }
-    assert!(matches!(
-        pack(&SPHERE, &options(1e-3)),
-        Err(PackingError::Empty { .. })
-    ));
-    assert!(matches!(
-        pack(&SPHERE, &options(1e-12)),
-        Err(PackingError::TooMany { .. })
-    ));
-    let short = PackingOptions {
-        period: Some(SIZE),
-        ..options(SIZE)
-    };
-    assert!(matches!(
-        pack(&SPHERE, &short),
-        Err(PackingError::Option { .. })
-    ));
-    let wrong = PackingOptions {
-        volume: Some(1.1 * SPHERE.volume()),
-        ..options(SIZE)
-    };
-    assert!(matches!(
-        pack(&SPHERE, &wrong),
-        Err(PackingError::Volume { .. })
-    ));
-    let endless = Disc {
-        centre: 0.0,
-        radius: f64::INFINITY,
-    };
+    assert!(matches!(pack(&SPHERE, &options(1e-3)), Err(PackingError::Empty { .. })));
+    assert!(matches!(pack(&SPHERE, &options(1e-12)), Err(PackingError::TooMany { .. })));
+    let short = PackingOptions { period: Some(SIZE), ..options(SIZE) };
+    assert!(matches!(pack(&SPHERE, &short), Err(PackingError::Option { .. })));
+    let wrong = PackingOptions { volume: Some(1.1 * SPHERE.volume()), ..options(SIZE) };
+    assert!(matches!(pack(&SPHERE, &wrong), Err(PackingError::Volume { .. })));
+    let endless = Disc { centre: 0.0, radius: f64::INFINITY };
     assert_eq!(pack(&endless, &options(SIZE)), Err(PackingError::Region));
 }
 
 #[test]
 fn a_handful_of_particles_is_no_error() {
     for radius in [0.8, 1.5, 3.0] {
-        let region = Disc {
-            centre: 0.0,
-            radius: radius * SIZE,
-        };
+        let region = Disc { centre: 0.0, radius: radius * SIZE };
         let packing = pack(&region, &PackingOptions::new(SIZE));
         assert!(packing.is_ok(), "radius {radius} D: {packing:?}");
     }

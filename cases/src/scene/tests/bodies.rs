@@ -54,37 +54,21 @@ fn shapes_are_not_empty() {
             "\"sqrt(-r)\"",
             "is NaN at r =",
         ),
-        (
-            "{ torus = { major = \"-1 um\", minor = \"2 um\" } }",
-            "\"-1 um\"",
-            "must not be negative",
-        ),
+        ("{ torus = { major = \"-1 um\", minor = \"2 um\" } }", "\"-1 um\"", "must not be negative"),
     ];
     for (shape, blamed, fragment) in cases {
         let diagnosis = mistake(&shaped(shape), &[], &[fragment]);
         assert_eq!(diagnosis.line(), Some(22), "{diagnosis}");
-        assert!(
-            blamed.is_empty() || diagnosis.blamed() == Some(blamed),
-            "{:?}",
-            diagnosis.blamed()
-        );
+        assert!(blamed.is_empty() || diagnosis.blamed() == Some(blamed), "{:?}", diagnosis.blamed());
     }
 }
 
 #[test]
 fn fields_are_finite_and_bodies_apart() {
-    let text = changed(
-        "z = \"amplitude*capillary_velocity*z/radius\"",
-        "z = \"capillary_velocity*sqrt(z/radius)\"",
-    );
-    mistake_at(
-        &text,
-        23,
-        "\"capillary_velocity*sqrt(z/radius)\"",
-        &["`body.0.velocity.z` is NaN at r = "],
-    );
-    let second =
-        "[[body]]\nshape = { sphere = { radius = \"radius\", centre = \"4 um\" } }\n[particles]";
+    let text =
+        changed("z = \"amplitude*capillary_velocity*z/radius\"", "z = \"capillary_velocity*sqrt(z/radius)\"");
+    mistake_at(&text, 23, "\"capillary_velocity*sqrt(z/radius)\"", &["`body.0.velocity.z` is NaN at r = "]);
+    let second = "[[body]]\nshape = { sphere = { radius = \"radius\", centre = \"4 um\" } }\n[particles]";
     mistake_at(
         &changed("[particles]", second),
         26,
@@ -92,10 +76,7 @@ fn fields_are_finite_and_bodies_apart() {
         &["overlaps another one at r = ", "union"],
     );
     let touching = second.replace("4 um", "5 um");
-    assert_eq!(
-        super::read(&changed("[particles]", &touching)).bodies.len(),
-        2
-    );
+    assert_eq!(super::read(&changed("[particles]", &touching)).bodies.len(), 2);
     let periodic = changed("[particles]", "[domain]\nperiod = \"4 um\"\n[particles]");
     mistake(&periodic, &[], &["more than the period of 4e-6 m"]);
 }

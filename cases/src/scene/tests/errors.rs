@@ -4,30 +4,15 @@ use std::path::Path;
 
 #[test]
 fn the_text_must_be_toml_of_format_1() {
-    mistake_at(
-        &changed("theta = 0.5", "theta = 0.5 0.6"),
-        34,
-        "0.5 0.6",
-        &["no TOML", "must be quoted"],
-    );
+    mistake_at(&changed("theta = 0.5", "theta = 0.5 0.6"), 34, "0.5 0.6", &["no TOML", "must be quoted"]);
     mistake_at(
         &changed("theta = 0.5", "theta = 0.5\ntheta = 0.6"),
         35,
         "theta",
         &["no TOML", "duplicate key"],
     );
-    mistake_at(
-        &changed("format = 1", "format = 2"),
-        1,
-        "2",
-        &["format is 2, not 1", "write `format = 1`"],
-    );
-    mistake_at(
-        &changed("format = 1\n", ""),
-        1,
-        "",
-        &["missing key `format`"],
-    );
+    mistake_at(&changed("format = 1", "format = 2"), 1, "2", &["format is 2, not 1", "write `format = 1`"]);
+    mistake_at(&changed("format = 1\n", ""), 1, "", &["missing key `format`"]);
     let missing = read(Path::new("no/such.toml"), &[]).expect_err("no such file");
     assert!(missing.to_string().contains("no/such.toml") && missing.line().is_none());
 }
@@ -56,23 +41,10 @@ fn keys_are_known_and_there() {
         &shaped("{ sphere = { centre = \"0 m\" } }"),
         22,
         "{ centre = \"0 m\" }",
-        &[
-            "missing key `radius` in `body.0.shape.sphere`",
-            "add: radius =",
-        ],
+        &["missing key `radius` in `body.0.shape.sphere`", "add: radius ="],
     );
-    mistake_at(
-        &changed("until = ", "steps = 3 # "),
-        29,
-        "[run]",
-        &["missing key `until` in `run`"],
-    );
-    mistake_at(
-        &changed("laplace-pressure", "laplace"),
-        40,
-        "laplace",
-        &["known keys: `laplace-pressure`"],
-    );
+    mistake_at(&changed("until = ", "steps = 3 # "), 29, "[run]", &["missing key `until` in `run`"]);
+    mistake_at(&changed("laplace-pressure", "laplace"), 40, "laplace", &["known keys: `laplace-pressure`"]);
     let two = "{ sphere = { radius = \"1 um\" }, torus = { major = \"2 um\", minor = \"1 um\" } }";
     mistake_at(&shaped(two), 22, two, &["more than one kind"]);
     mistake_at(&shaped("{}"), 22, "{}", &["no kind", "`sphere`"]);
@@ -86,36 +58,16 @@ fn values_have_their_type() {
         "true",
         &["`frames` expects a number without unit, not true or false"],
     );
-    mistake_at(
-        &changed("frames = 10", "frames = 2.5"),
-        37,
-        "2.5",
-        &["whole number"],
-    );
+    mistake_at(&changed("frames = 10", "frames = 2.5"), 37, "2.5", &["whole number"]);
     mistake_at(
         &changed("frames = 10", "picture = \"yes\""),
         37,
         "\"yes\"",
         &["`picture` expects true or false, not a text"],
     );
-    mistake_at(
-        &shaped("\"sphere\""),
-        22,
-        "\"sphere\"",
-        &["expects a table with one key, not a text"],
-    );
-    mistake_at(
-        &changed("mode = 2", "mode = true"),
-        11,
-        "true",
-        &["the parameter `mode` is neither"],
-    );
-    mistake_at(
-        &changed("[output]\nframes = 10", "[output]\nframes = [1]"),
-        37,
-        "[1]",
-        &["not a list"],
-    );
+    mistake_at(&shaped("\"sphere\""), 22, "\"sphere\"", &["expects a table with one key, not a text"]);
+    mistake_at(&changed("mode = 2", "mode = true"), 11, "true", &["the parameter `mode` is neither"]);
+    mistake_at(&changed("[output]\nframes = 10", "[output]\nframes = [1]"), 37, "[1]", &["not a list"]);
     mistake_at(
         &changed("scheme = \"harmonic-mean\"", "scheme = \"harmonic\""),
         33,
@@ -127,43 +79,15 @@ fn values_have_their_type() {
 #[test]
 fn quantities_have_their_unit() {
     let text = changed("\"2.5 um\"", "\"2.5 kg\"");
-    mistake_at(
-        &text,
-        6,
-        "\"2.5 kg\"",
-        &["`2.5 kg` is a mass; `radius` expects a length such as \"2.5 um\""],
-    );
+    mistake_at(&text, 6, "\"2.5 kg\"", &["`2.5 kg` is a mass; `radius` expects a length such as \"2.5 um\""]);
     let text = changed("size = \"particle_size\"", "size = \"2.5 kg\"");
-    mistake_at(
-        &text,
-        26,
-        "\"2.5 kg\"",
-        &["`2.5 kg` is a mass; `size` expects a length such as \"2.5 um\""],
-    );
+    mistake_at(&text, 26, "\"2.5 kg\"", &["`2.5 kg` is a mass; `size` expects a length such as \"2.5 um\""]);
     let text = changed("particle_size = \"71.4 nm\"", "particle_size = \"71.4 nN\"");
-    mistake_at(
-        &text,
-        7,
-        "\"71.4 nN\"",
-        &["`71.4 nN` is a quantity in kg m s^-2; `size` expects a length"],
-    );
+    mistake_at(&text, 7, "\"71.4 nN\"", &["`71.4 nN` is a quantity in kg m s^-2; `size` expects a length"]);
     let text = changed("size = \"particle_size\"", "size = 2.5");
-    mistake_at(
-        &text,
-        26,
-        "2.5",
-        &["`2.5` is a number without unit", "add a unit: \"2.5 um\""],
-    );
-    let text = changed(
-        "z = \"amplitude*capillary_velocity*z/radius\"",
-        "z = \"amplitude*z/radius\"",
-    );
-    mistake_at(
-        &text,
-        23,
-        "\"amplitude*z/radius\"",
-        &["is a number without unit; `z` expects a velocity"],
-    );
+    mistake_at(&text, 26, "2.5", &["`2.5` is a number without unit", "add a unit: \"2.5 um\""]);
+    let text = changed("z = \"amplitude*capillary_velocity*z/radius\"", "z = \"amplitude*z/radius\"");
+    mistake_at(&text, 23, "\"amplitude*z/radius\"", &["is a number without unit; `z` expects a velocity"]);
     mistake_at(
         &changed("theta = 0.5", "theta = \"0.5 m\""),
         34,
@@ -208,17 +132,7 @@ fn values_stay_in_their_limits() {
         "\"1 um\"",
         &["fewer than 10 (5) fit across", "4.9995e-7 m or less"],
     );
-    mistake_at(
-        &changed("mode = 2", "mode = 1"),
-        11,
-        "1",
-        &["`mode` is 1", "whole number from 2"],
-    );
+    mistake_at(&changed("mode = 2", "mode = 1"), 11, "1", &["`mode` is 1", "whole number from 2"]);
     mistake_at(&changed("mode = 2", "s = 1"), 11, "s", &["`s` is a unit"]);
-    mistake_at(
-        &changed("mode = 2", "drop-mode = 1"),
-        11,
-        "drop-mode",
-        &["cannot name a parameter"],
-    );
+    mistake_at(&changed("mode = 2", "drop-mode = 1"), 11, "drop-mode", &["cannot name a parameter"]);
 }

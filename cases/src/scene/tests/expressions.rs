@@ -2,31 +2,15 @@ use super::{EXAMPLE, changed, mistake_at, read};
 
 /// The value in SI units of a parameter written like this.
 fn value(written: &str) -> f64 {
-    let scene = read(&changed(
-        "mode = 2",
-        &format!("mode = 2\nprobe = {written}"),
-    ));
-    let probe = scene
-        .parameters
-        .iter()
-        .find(|parameter| parameter.name == "probe");
-    probe
-        .and_then(|probe| probe.value)
-        .map_or(f64::NAN, |quantity| quantity.value)
+    let scene = read(&changed("mode = 2", &format!("mode = 2\nprobe = {written}")));
+    let probe = scene.parameters.iter().find(|parameter| parameter.name == "probe");
+    probe.and_then(|probe| probe.value).map_or(f64::NAN, |quantity| quantity.value)
 }
 
 fn shown(written: &str) -> String {
-    let scene = read(&changed(
-        "mode = 2",
-        &format!("mode = 2\nprobe = \"{written}\""),
-    ));
-    let probe = scene
-        .parameters
-        .iter()
-        .find(|parameter| parameter.name == "probe");
-    probe
-        .and_then(|probe| probe.value)
-        .map_or(String::new(), |quantity| quantity.to_string())
+    let scene = read(&changed("mode = 2", &format!("mode = 2\nprobe = \"{written}\"")));
+    let probe = scene.parameters.iter().find(|parameter| parameter.name == "probe");
+    probe.and_then(|probe| probe.value).map_or(String::new(), |quantity| quantity.to_string())
 }
 
 #[test]
@@ -50,10 +34,7 @@ fn units_become_si() {
     for (written, wanted) in cases {
         assert_eq!(shown(written), wanted, "{written}");
     }
-    assert_eq!(
-        (value("\"71.4 nm\""), value("\"2.5 um\""), value("1.5e-6")),
-        (7.14e-8, 2.5e-6, 1.5e-6)
-    );
+    assert_eq!((value("\"71.4 nm\""), value("\"2.5 um\""), value("1.5e-6")), (7.14e-8, 2.5e-6, 1.5e-6));
 }
 
 #[test]
@@ -77,21 +58,14 @@ fn operators_bind_as_usual() {
     ];
     for (written, wanted) in cases {
         let found = value(&format!("\"{written}\""));
-        assert!(
-            (found - wanted).abs() < 1e-14,
-            "{written} is {found}, not {wanted}"
-        );
+        assert!((found - wanted).abs() < 1e-14, "{written} is {found}, not {wanted}");
     }
 }
 
 #[test]
 fn mistakes_in_expressions_have_a_place() {
     let cases = [
-        (
-            "radius + ",
-            "\"radius + \"",
-            "expected a number, a name or `(`, but it ends",
-        ),
+        ("radius + ", "\"radius + \"", "expected a number, a name or `(`, but it ends"),
         ("radius + * 2", "*", "found `*`"),
         ("(radius", "\"(radius\"", "expected `)`"),
         ("2 radius", "radius", "`radius` is no unit"),
@@ -101,29 +75,13 @@ fn mistakes_in_expressions_have_a_place() {
         ("2 * r", "r", "`r` has no value here"),
         ("sqr(2)", "sqr(2)", "did you mean `sqrt`?"),
         ("max(2)", "max(2)", "takes 2 argument(s)"),
-        (
-            "radius + density",
-            "radius + density",
-            "cannot add a length and a density",
-        ),
-        (
-            "exp(radius)",
-            "exp(radius)",
-            "expects a number without unit, not a length",
-        ),
+        ("radius + density", "radius + density", "cannot add a length and a density"),
+        ("exp(radius)", "exp(radius)", "expects a number without unit, not a length"),
         ("radius^0.3", "radius^0.3", "a length to the power 0.3"),
         ("2^radius", "2^radius", "the exponent is a length"),
-        (
-            "legendre(1.5, 0.1)",
-            "legendre(1.5, 0.1)",
-            "expects a whole number",
-        ),
+        ("legendre(1.5, 0.1)", "legendre(1.5, 0.1)", "expects a whole number"),
         ("1/0", "\"1/0\"", "`probe` is inf"),
-        (
-            "3 * sound_speed",
-            "sound_speed",
-            "`sound_speed` is \"auto\"",
-        ),
+        ("3 * sound_speed", "sound_speed", "`sound_speed` is \"auto\""),
         ("probe + 1", "\"probe + 1\"", "circle"),
         ("", "\"\"", "it ends"),
     ];
@@ -140,9 +98,7 @@ fn mistakes_in_expressions_have_a_place() {
 fn a_field_is_fast() {
     let scene = read(EXAMPLE);
     let start = std::time::Instant::now();
-    let sum: f64 = (0..1_000_000)
-        .map(|index| scene.bodies[0].velocity.at(f64::from(index), 1.0)[0])
-        .sum();
+    let sum: f64 = (0..1_000_000).map(|index| scene.bodies[0].velocity.at(f64::from(index), 1.0)[0]).sum();
     assert!(sum < 0.0);
     // Some 0.05 s; the bound is for busy machines.
     assert!(start.elapsed().as_secs() < 5, "{:?}", start.elapsed());

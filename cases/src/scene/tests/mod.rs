@@ -62,17 +62,11 @@ pub(super) fn changed(from: &str, to: &str) -> String {
 
 /// The example with its body's shape replaced; sizes fit a radius of 2.5 um.
 pub(super) fn shaped(shape: &str) -> String {
-    changed(
-        r#"{ sphere = { radius = "radius", centre = "0 m" } }"#,
-        shape,
-    )
+    changed(r#"{ sphere = { radius = "radius", centre = "0 m" } }"#, shape)
 }
 
 pub(super) fn settings(settings: &[&str]) -> Vec<String> {
-    settings
-        .iter()
-        .map(|setting| (*setting).to_owned())
-        .collect()
+    settings.iter().map(|setting| (*setting).to_owned()).collect()
 }
 
 pub(super) fn read(text: &str) -> Scene {
@@ -85,17 +79,11 @@ pub(super) fn read(text: &str) -> Scene {
 /// The one mistake of a scene, whose message and help must hold all the fragments.
 pub(super) fn mistake(text: &str, set: &[&str], fragments: &[&str]) -> Diagnosis {
     let diagnosis = parse("drop.toml", text, &settings(set)).expect_err("a mistake");
-    let help = diagnosis
-        .help()
-        .map(|help| help.to_string())
-        .unwrap_or_default();
+    let help = diagnosis.help().map(|help| help.to_string()).unwrap_or_default();
     assert!(!help.is_empty(), "no help: {diagnosis}");
     let said = format!("{diagnosis}\n{help}");
     for fragment in fragments {
-        assert!(
-            said.contains(fragment),
-            "`{fragment}` is missing in: {said}"
-        );
+        assert!(said.contains(fragment), "`{fragment}` is missing in: {said}");
     }
     diagnosis
 }
@@ -104,9 +92,5 @@ pub(super) fn mistake(text: &str, set: &[&str], fragments: &[&str]) -> Diagnosis
 pub(super) fn mistake_at(text: &str, line: usize, blamed: &str, fragments: &[&str]) {
     let diagnosis = mistake(text, &[], fragments);
     assert_eq!(diagnosis.source_name(), Some("drop.toml"));
-    assert_eq!(
-        (diagnosis.line(), diagnosis.blamed()),
-        (Some(line), Some(blamed)),
-        "{diagnosis}"
-    );
+    assert_eq!((diagnosis.line(), diagnosis.blamed()), (Some(line), Some(blamed)), "{diagnosis}");
 }

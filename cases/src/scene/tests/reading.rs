@@ -12,47 +12,18 @@ fn the_example_is_read_in_full() {
     let scene = read(EXAMPLE);
     assert_eq!(scene.title, "A water drop oscillates in mode 2");
     assert_eq!(scene.source_name, "drop.toml");
-    let names: Vec<&str> = scene
-        .parameters
-        .iter()
-        .map(|parameter| parameter.name.as_str())
-        .collect();
+    let names: Vec<&str> = scene.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
     assert_eq!(names[..3], ["radius", "particle_size", "surface_tension"]);
     assert_eq!(scene.parameters[4].value, None);
-    assert_eq!(
-        scene.parameters[0].value.map(|radius| radius.value),
-        Some(2.5e-6)
-    );
-    assert_eq!(
-        (scene.liquid.density, scene.liquid.surface_tension),
-        (1000.0, 0.074)
-    );
-    assert_eq!(
-        (scene.liquid.sound_speed, scene.particle_size, scene.settle),
-        (None, 7.14e-8, Some(3.0))
-    );
-    assert!(close(
-        scene.until,
-        8.0 * (1000.0 * 2.5e-6_f64.powi(3) / 0.074).sqrt()
-    ));
-    assert!(matches!(
-        scene.bodies[0].shape,
-        Shape::Sphere {
-            radius: 2.5e-6,
-            centre: 0.0
-        }
-    ));
+    assert_eq!(scene.parameters[0].value.map(|radius| radius.value), Some(2.5e-6));
+    assert_eq!((scene.liquid.density, scene.liquid.surface_tension), (1000.0, 0.074));
+    assert_eq!((scene.liquid.sound_speed, scene.particle_size, scene.settle), (None, 7.14e-8, Some(3.0)));
+    assert!(close(scene.until, 8.0 * (1000.0 * 2.5e-6_f64.powi(3) / 0.074).sqrt()));
+    assert!(matches!(scene.bodies[0].shape, Shape::Sphere { radius: 2.5e-6, centre: 0.0 }));
     let speed = 0.02 * (0.074 / 2.5e-3_f64).sqrt();
     let [radial, axial] = scene.bodies[0].velocity.at(1e-6, 2e-6);
     assert!(close(radial, -speed * 0.2) && close(axial, speed * 0.8));
-    assert_eq!(
-        scene.measures[1],
-        Measure::Oscillation {
-            mode: 2,
-            radius: 2.5e-6,
-            centre: 0.0
-        }
-    );
+    assert_eq!(scene.measures[1], Measure::Oscillation { mode: 2, radius: 2.5e-6, centre: 0.0 });
     assert_eq!(scene.measures.len(), 3);
     assert_eq!(scene.method, Method::defaults());
     assert!(scene.warnings.is_empty());
@@ -63,17 +34,11 @@ fn the_sound_speed_follows_from_the_motion() {
     let scene = read(EXAMPLE);
     let capillary = (0.074 / 2.5e-3_f64).sqrt();
     assert!(close(scene.capillary_velocity(), capillary));
-    assert!(close(
-        scene.derived_sound_speed(),
-        10.0 * 8.0_f64.sqrt() * capillary
-    ));
+    assert!(close(scene.derived_sound_speed(), 10.0 * 8.0_f64.sqrt() * capillary));
     let fastest = scene.fastest_initial_speed();
     assert!(fastest < 0.02 * capillary && fastest > 0.0196 * capillary);
     let fast = read(&changed("amplitude = 0.02", "amplitude = 5"));
-    assert!(close(
-        fast.derived_sound_speed(),
-        10.0 * fast.fastest_initial_speed()
-    ));
+    assert!(close(fast.derived_sound_speed(), 10.0 * fast.fastest_initial_speed()));
     let given = read(&changed("\"auto\"", "\"150 m/s\""));
     assert_eq!(given.derived_sound_speed(), 150.0);
     let still = EXAMPLE
@@ -86,41 +51,21 @@ fn the_sound_speed_follows_from_the_motion() {
 #[test]
 fn a_slow_sound_speed_is_doubted() {
     let scene = read(&changed("\"auto\"", "\"20 m/s\""));
-    let [warning] = scene.warnings.as_slice() else {
-        panic!("one warning")
-    };
+    let [warning] = scene.warnings.as_slice() else { panic!("one warning") };
     assert!(
         !warning.is_error()
-            && warning
-                .to_string()
-                .contains("below ten times the capillary velocity, 5.4406 m/s")
+            && warning.to_string().contains("below ten times the capillary velocity, 5.4406 m/s")
     );
-    assert_eq!(
-        (warning.line(), warning.blamed()),
-        (Some(10), Some("\"20 m/s\""))
-    );
+    assert_eq!((warning.line(), warning.blamed()), (Some(10), Some("\"20 m/s\"")));
 }
 
 #[test]
 fn paper_changes_what_is_unset() {
-    let text = changed("# paper = true", "paper = true")
-        .replace("theta = 0.5", "flux = \"reconstructed\"");
+    let text = changed("# paper = true", "paper = true").replace("theta = 0.5", "flux = \"reconstructed\"");
     let method = read(&text).method;
-    assert_eq!(
-        method,
-        Method {
-            flux: Flux::Reconstructed,
-            ..Method::paper()
-        }
-    );
-    assert_eq!(
-        (method.axis, method.axis.name()),
-        (AxisTreatment::Parshikov, "parshikov")
-    );
-    assert_eq!(
-        (method.scheme, method.cfl, method.colour_guard),
-        (Scheme::HarmonicMean, 0.3, 0.0)
-    );
+    assert_eq!(method, Method { flux: Flux::Reconstructed, ..Method::paper() });
+    assert_eq!((method.axis, method.axis.name()), (AxisTreatment::Parshikov, "parshikov"));
+    assert_eq!((method.scheme, method.cfl, method.colour_guard), (Scheme::HarmonicMean, 0.3, 0.0));
 }
 
 #[test]
@@ -141,18 +86,9 @@ steps = 12
 period = "4 um"
 "#;
     let scene = read(text);
-    assert_eq!(
-        (scene.title.as_str(), scene.paper, scene.steps),
-        ("drop", false, Some(12))
-    );
-    assert_eq!(
-        (scene.liquid.density, scene.liquid.surface_tension),
-        (1.0, 0.0)
-    );
-    assert_eq!(
-        (scene.domain.origin, scene.domain.period),
-        (0.0, Some(4e-6))
-    );
+    assert_eq!((scene.title.as_str(), scene.paper, scene.steps), ("drop", false, Some(12)));
+    assert_eq!((scene.liquid.density, scene.liquid.surface_tension), (1.0, 0.0));
+    assert_eq!((scene.domain.origin, scene.domain.period), (0.0, Some(4e-6)));
     assert_eq!(scene.bodies[0].velocity.at(1.0, 1.0), [0.0, 0.0]);
     assert!(scene.parameters.is_empty() && scene.measures.is_empty());
 }
@@ -160,14 +96,8 @@ period = "4 um"
 #[test]
 fn every_shape_can_be_written() {
     let cases = [
-        (
-            "{ spheroid = { radial = \"2 um\", axial = \"3 um\" } }",
-            [0.0, 2.0, -3.0, 3.0],
-        ),
-        (
-            "{ cylinder = { radius = \"2 um\", bottom = 0, top = \"3 um\" } }",
-            [0.0, 2.0, 0.0, 3.0],
-        ),
+        ("{ spheroid = { radial = \"2 um\", axial = \"3 um\" } }", [0.0, 2.0, -3.0, 3.0]),
+        ("{ cylinder = { radius = \"2 um\", bottom = 0, top = \"3 um\" } }", [0.0, 2.0, 0.0, 3.0]),
         (
             "{ annulus = { inner = \"1 um\", outer = \"2 um\", bottom = \"0 m\", top = \"3 um\" } }",
             [1.0, 2.0, 0.0, 3.0],
@@ -176,14 +106,8 @@ fn every_shape_can_be_written() {
             "{ annulus = { inner = \"-1 um\", outer = \"2 um\", bottom = \"0 m\", top = \"3 um\" } }",
             [0.0, 2.0, 0.0, 3.0],
         ),
-        (
-            "{ torus = { major = \"2 um\", minor = \"1 um\" } }",
-            [1.0, 3.0, -1.0, 1.0],
-        ),
-        (
-            "{ torus = { major = \"0.5 um\", minor = \"1 um\" } }",
-            [0.0, 1.5, -1.0, 1.0],
-        ),
+        ("{ torus = { major = \"2 um\", minor = \"1 um\" } }", [1.0, 3.0, -1.0, 1.0]),
+        ("{ torus = { major = \"0.5 um\", minor = \"1 um\" } }", [0.0, 1.5, -1.0, 1.0]),
         (
             "{ polygon = { points = [[\"-1 um\", \"0 m\"], [\"2 um\", \"0 m\"], [\"2 um\", \"2 um\"]] } }",
             [0.0, 2.0, 0.0, 2.0],
@@ -204,10 +128,7 @@ fn every_shape_can_be_written() {
     for (shape, bounds) in cases {
         let scene = read(&shaped(shape));
         for (found, wanted) in scene.bodies[0].shape.bounds().into_iter().zip(bounds) {
-            assert!(
-                (found - wanted * 1e-6).abs() < 1e-18,
-                "{shape}: {found} is not {wanted} um"
-            );
+            assert!((found - wanted * 1e-6).abs() < 1e-18, "{shape}: {found} is not {wanted} um");
         }
     }
     let level = "{ expression = { inside = \"r^2 + z^2 - radius^2\", bounds = [\"0 m\", \"3 um\", \"-3 um\", \"3 um\"] } }";
@@ -217,12 +138,8 @@ fn every_shape_can_be_written() {
 
 #[test]
 fn a_film_lies_far_from_the_axis() {
-    let film =
-        "{ annulus = { inner = \"-1 um\", outer = \"1 um\", bottom = \"0 m\", top = \"10 um\" } }";
-    let text = shaped(film).replace(
-        "[method]",
-        "[domain]\norigin = \"1 m\"\nperiod = \"10 um\"\n[method]",
-    );
+    let film = "{ annulus = { inner = \"-1 um\", outer = \"1 um\", bottom = \"0 m\", top = \"10 um\" } }";
+    let text = shaped(film).replace("[method]", "[domain]\norigin = \"1 m\"\nperiod = \"10 um\"\n[method]");
     let scene = read(&text);
     assert_eq!(scene.bodies[0].shape.bounds(), [-1e-6, 1e-6, 0.0, 1e-5]);
     assert_eq!(scene.domain.origin, 1.0);

@@ -37,10 +37,7 @@ impl<'a> Discs<'a> {
         let (most_columns, most_rows) = (pixels.width() as f64 - 1.0, pixels.height() as f64 - 1.0);
         Self {
             pixels,
-            columns: (
-                left.floor().max(0.0),
-                (left + width).ceil().min(most_columns),
-            ),
+            columns: (left.floor().max(0.0), (left + width).ceil().min(most_columns)),
             rows: (top.floor().max(0.0), (top + height).ceil().min(most_rows)),
         }
     }
@@ -115,12 +112,7 @@ mod tests {
 
     #[test]
     fn what_lies_outside_or_nowhere_is_not_drawn() {
-        for centre in [
-            (-20.0, 0.0),
-            (1e12, 3.0),
-            (f64::NAN, 3.0),
-            (3.0, f64::INFINITY),
-        ] {
+        for centre in [(-20.0, 0.0), (1e12, 3.0), (f64::NAN, 3.0), (3.0, f64::INFINITY)] {
             assert_eq!(covered(centre, 10.0), 0.0);
         }
     }

@@ -46,9 +46,7 @@ impl Frame {
             axis: Axis::linear(range.0 * factor, range.1 * factor),
         };
         let labels = bar.axis.ticks(6);
-        let ticks = labels
-            .iter()
-            .map(|(_, label)| Canvas::text_width(label, TEXT));
+        let ticks = labels.iter().map(|(_, label)| Canvas::text_width(label, TEXT));
         let ticks = BAR_WIDTH + 10.0 + ticks.fold(0.0, f64::max);
         let beside = GAP + ticks.max(Canvas::text_width(&bar.label, TEXT)) + MARGIN;
 
@@ -81,14 +79,8 @@ impl Frame {
     pub(super) fn place(&self, r: f64, z: f64) -> (f64, f64) {
         let (left, top, width, height) = self.section;
         let (least, greatest) = self.window.across();
-        let (r, z) = (
-            r - 0.5 * (least + greatest),
-            z - 0.5 * (self.window.z.0 + self.window.z.1),
-        );
-        (
-            left + 0.5 * width + self.length(r),
-            top + 0.5 * height - self.length(z),
-        )
+        let (r, z) = (r - 0.5 * (least + greatest), z - 0.5 * (self.window.z.0 + self.window.z.1));
+        (left + 0.5 * width + self.length(r), top + 0.5 * height - self.length(z))
     }
 
     /// A length (metres) in pixels.
@@ -119,10 +111,7 @@ impl Frame {
         let (_, top, _, height) = self.section;
         if self.window.is_mirrored() {
             let (x, _) = self.place(0.0, 0.0);
-            let pen = Pen {
-                dashed: true,
-                ..Pen::solid(AXIS, 1.0)
-            };
+            let pen = Pen { dashed: true, ..Pen::solid(AXIS, 1.0) };
             canvas.line(&[(x, top - 10.0), (x, top + height + 10.0)], pen);
         } else {
             let text = format!("axis {} to the left", quantity(self.window.r.0, "m", 4));

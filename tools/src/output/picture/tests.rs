@@ -12,22 +12,14 @@ fn liquid(spacing: f64, reach: (f64, f64), inside: impl Fn(f64, f64) -> bool) ->
     let (columns, rows) = ((reach.0 / spacing) as i64, (reach.1 / spacing) as i64);
     let places = (0..columns).flat_map(|column| (-rows..rows).map(move |row| (column, row)));
     let places: Vec<(f64, f64)> = places
-        .map(|(column, row)| {
-            (
-                (column as f64 + 0.5) * spacing,
-                (row as f64 + 0.5) * spacing,
-            )
-        })
+        .map(|(column, row)| ((column as f64 + 0.5) * spacing, (row as f64 + 0.5) * spacing))
         .filter(|(r, z)| inside(*r, *z))
         .collect();
     Liquid {
         r: places.iter().map(|place| place.0).collect(),
         z: places.iter().map(|place| place.1).collect(),
         diameter: vec![spacing; places.len()],
-        values: places
-            .iter()
-            .map(|(r, z)| 1e6 * z * (1.0 - r / reach.0))
-            .collect(),
+        values: places.iter().map(|(r, z)| 1e6 * z * (1.0 - r / reach.0)).collect(),
     }
 }
 
@@ -40,18 +32,8 @@ fn draw(name: &str, liquid: &Liquid, map: ColourMap) -> (Pixmap, std::time::Dura
     let picture = Picture {
         title: "Droplet oscillation",
         time: 1.25e-5,
-        particles: Particles {
-            r: &liquid.r,
-            z: &liquid.z,
-            diameter: &liquid.diameter,
-        },
-        shade: Shade {
-            name: "axial velocity",
-            unit: "m/s",
-            values: &liquid.values,
-            map,
-            range: None,
-        },
+        particles: Particles { r: &liquid.r, z: &liquid.z, diameter: &liquid.diameter },
+        shade: Shade { name: "axial velocity", unit: "m/s", values: &liquid.values, map, range: None },
         window: None,
     };
     let started = std::time::Instant::now();
@@ -85,10 +67,7 @@ fn a_drop_is_whole_symmetric_and_on_white() {
         above[side] += i32::from(upper[0] > upper[2]);
         below[side] += i32::from(lower[2] > lower[0]);
     }
-    assert!(
-        above.iter().chain(&below).all(|count| *count > 100),
-        "{above:?} {below:?}"
-    );
+    assert!(above.iter().chain(&below).all(|count| *count > 100), "{above:?} {below:?}");
 }
 
 #[test]
@@ -102,21 +81,14 @@ fn a_fine_drop_is_drawn_in_no_time() {
 
 #[test]
 fn jets_films_and_odd_values_are_shown() {
-    let jet = liquid(0.2e-6, (2e-6, 2e-5), |r, z| {
-        r < 1.5e-6 + 4e-7 * (z * 8e5).sin()
-    });
+    let jet = liquid(0.2e-6, (2e-6, 2e-5), |r, z| r < 1.5e-6 + 4e-7 * (z * 8e5).sin());
     draw("jet.png", &jet, ColourMap::Viridis);
     let mut film = liquid(2e-8, (2e-6, 1e-6), |_, z| z.abs() < 4e-7);
     film.r.iter_mut().for_each(|r| *r += 1.0);
     film.values[0] = f64::NAN;
     film.r[1] = f64::INFINITY;
     draw("film.png", &film, ColourMap::Viridis);
-    let single = Liquid {
-        r: vec![0.0],
-        z: vec![0.0],
-        diameter: vec![1e-6],
-        values: vec![3.0],
-    };
+    let single = Liquid { r: vec![0.0], z: vec![0.0], diameter: vec![1e-6], values: vec![3.0] };
     draw("single.png", &single, ColourMap::Viridis);
 }
 
@@ -125,25 +97,13 @@ fn nothing_to_show_is_said() {
     let picture = |values| Picture {
         title: "",
         time: 0.0,
-        particles: Particles {
-            r: &[],
-            z: &[],
-            diameter: &[],
-        },
-        shade: Shade {
-            name: "",
-            unit: "",
-            values,
-            map: ColourMap::Viridis,
-            range: None,
-        },
+        particles: Particles { r: &[], z: &[], diameter: &[] },
+        shade: Shade { name: "", unit: "", values, map: ColourMap::Viridis, range: None },
         window: None,
     };
     let error = |values| {
         let path = Path::new("none.png");
-        write_picture(path, &picture(values))
-            .unwrap_err()
-            .to_string()
+        write_picture(path, &picture(values)).unwrap_err().to_string()
     };
     assert!(error(&[]).contains("no particles to show"));
     assert!(error(&[1.0]).contains("differ in length"));

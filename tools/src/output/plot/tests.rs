@@ -3,16 +3,9 @@ use std::fs;
 use super::*;
 
 fn curve(label: &str, style: Style, count: usize, y: impl Fn(f64) -> f64) -> Curve {
-    let x: Vec<f64> = (0..count)
-        .map(|index| index as f64 * 1e-4 / (count - 1) as f64)
-        .collect();
+    let x: Vec<f64> = (0..count).map(|index| index as f64 * 1e-4 / (count - 1) as f64).collect();
     let y = x.iter().map(|&x| y(x)).collect();
-    Curve {
-        label: label.to_owned(),
-        x,
-        y,
-        style,
-    }
+    Curve { label: label.to_owned(), x, y, style }
 }
 
 fn folder() -> tempfile::TempDir {
@@ -53,11 +46,7 @@ fn logarithmic_axes_leave_out_what_has_no_logarithm() {
     let folder = folder();
     let path = folder.path().join("cost.png");
     let cost = vec![0.0, 0.3, 2.5, 21.0, 170.0, 1500.0];
-    let error = |order: f64| {
-        cost.iter()
-            .map(|cost| 0.02 * f64::powf(*cost, -order))
-            .collect()
-    };
+    let error = |order: f64| cost.iter().map(|cost| 0.02 * f64::powf(*cost, -order)).collect();
     let curve = |label: &str, order, style| Curve {
         label: label.to_owned(),
         x: cost.clone(),
@@ -68,19 +57,12 @@ fn logarithmic_axes_leave_out_what_has_no_logarithm() {
         title: "Error against cost".into(),
         x_label: "processor time [s]".into(),
         y_label: "relative error of the period".into(),
-        curves: vec![
-            curve("symplectic", 0.6, Style::Points),
-            curve("second order", 0.66, Style::Dashed),
-        ],
+        curves: vec![curve("symplectic", 0.6, Style::Points), curve("second order", 0.66, Style::Dashed)],
         log_x: true,
         log_y: true,
     };
     super::plot(&path, &plot).unwrap();
-    assert!(
-        fs::read_to_string(path.with_extension("svg"))
-            .unwrap()
-            .contains("processor time [s]")
-    );
+    assert!(fs::read_to_string(path.with_extension("svg")).unwrap().contains("processor time [s]"));
 }
 
 #[test]
@@ -89,20 +71,11 @@ fn nothing_to_draw_is_said() {
         title: "nothing".into(),
         x_label: String::new(),
         y_label: String::new(),
-        curves: vec![Curve {
-            label: "none".into(),
-            x,
-            y,
-            style: Style::Line,
-        }],
+        curves: vec![Curve { label: "none".into(), x, y, style: Style::Line }],
         log_x: false,
         log_y: false,
     };
-    let error = |plot| {
-        super::plot(Path::new("none.png"), &plot)
-            .unwrap_err()
-            .to_string()
-    };
+    let error = |plot| super::plot(Path::new("none.png"), &plot).unwrap_err().to_string();
     assert!(error(empty(vec![f64::NAN], vec![1.0])).contains("has no points"));
     assert!(error(empty(vec![1.0], vec![])).contains("differ in length"));
 }

@@ -65,9 +65,7 @@ pub fn print_table(summary: &Summary, out: &mut impl Write) -> io::Result<()> {
 fn measures_table(measures: &[Measure]) -> Table {
     let mut table = table(["measure", "measured", "exact", "error"]);
     for measure in measures {
-        let reference = measure
-            .reference
-            .map(|value| quantity(value, &measure.unit, 4));
+        let reference = measure.reference.map(|value| quantity(value, &measure.unit, 4));
         table.add_row([
             measure.name.clone(),
             quantity(measure.value, &measure.unit, 4),
@@ -79,13 +77,7 @@ fn measures_table(measures: &[Measure]) -> Table {
 }
 
 fn stages_table(summary: &Summary) -> Table {
-    let mut table = table([
-        "stage",
-        "calls",
-        "elapsed",
-        "per particle and step",
-        "share",
-    ]);
+    let mut table = table(["stage", "calls", "elapsed", "per particle and step", "share"]);
     let mut stages: Vec<&StageCost> = summary.stages.iter().collect();
     stages.sort_by(|a, b| b.seconds.total_cmp(&a.seconds));
     let particle_steps = (summary.particles as f64 * summary.steps as f64).max(1.0);
@@ -140,21 +132,10 @@ mod tests {
         let mut out = Vec::new();
         print_table(&summary, &mut out).unwrap();
         let text = String::from_utf8(out).unwrap();
-        for part in [
-            "31.42 µs",
-            "31.25 µs",
-            "0.544 %",
-            "46.3 ns",
-            "70.0 %",
-            "3.0e-17",
-            "-0.120 %",
-        ] {
+        for part in ["31.42 µs", "31.25 µs", "0.544 %", "46.3 ns", "70.0 %", "3.0e-17", "-0.120 %"] {
             assert!(text.contains(part), "{part} is not in\n{text}");
         }
-        assert!(
-            text.lines().all(|line| line.chars().count() <= 100),
-            "{text}"
-        );
+        assert!(text.lines().all(|line| line.chars().count() <= 100), "{text}");
         if std::env::var_os("MENISCUS_SHOW").is_some() {
             println!("{text}");
         }

@@ -9,10 +9,7 @@ fn attribute<'a>(text: &'a str, marker: &str) -> &'a str {
 /// The payload of the array of that name, found through its offset.
 fn payload<'a>(file: &'a [u8], name: &str) -> &'a [u8] {
     let marker = b"<AppendedData encoding=\"raw\">\n_";
-    let start = file
-        .windows(marker.len())
-        .position(|window| window == marker)
-        .unwrap();
+    let start = file.windows(marker.len()).position(|window| window == marker).unwrap();
     let header = std::str::from_utf8(&file[..start]).unwrap();
     let array = &header[header.find(&format!("Name=\"{name}\"")).unwrap()..];
     let offset: usize = attribute(array, "offset=\"").parse().unwrap();
@@ -22,10 +19,7 @@ fn payload<'a>(file: &'a [u8], name: &str) -> &'a [u8] {
 }
 
 fn numbers(bytes: &[u8]) -> Vec<f64> {
-    bytes
-        .chunks(8)
-        .map(|chunk| f64::from_le_bytes(chunk.try_into().unwrap()))
-        .collect()
+    bytes.chunks(8).map(|chunk| f64::from_le_bytes(chunk.try_into().unwrap())).collect()
 }
 
 #[test]
@@ -45,15 +39,9 @@ fn every_array_is_where_its_offset_says() {
     assert_eq!(numbers(payload(&file, "pressure [Pa]")), pressure);
     let velocity = [-1.0, 0.5, 0.0, 0.0, 1.5, 0.0, 1.0, 2.5, 0.0];
     assert_eq!(numbers(payload(&file, "velocity [m/s]")), velocity);
-    assert_eq!(
-        numbers(payload(&file, "position [m]"))[3..6],
-        [1.5, 0.0, 0.0]
-    );
+    assert_eq!(numbers(payload(&file, "position [m]"))[3..6], [1.5, 0.0, 0.0]);
     assert_eq!(payload(&file, "at &lt;surface&gt;")[8..], [0xff; 4]);
-    assert_eq!(
-        payload(&file, "offsets"),
-        [1, 0, 0, 0, 2, 0, 0, 0, 3, 0, 0, 0]
-    );
+    assert_eq!(payload(&file, "offsets"), [1, 0, 0, 0, 2, 0, 0, 0, 3, 0, 0, 0]);
     assert!(file.ends_with(b"\n</AppendedData>\n</VTKFile>\n"));
 }
 
@@ -61,11 +49,7 @@ fn every_array_is_where_its_offset_says() {
 fn a_field_of_another_length_is_named() {
     let path = Path::new("frame.vtp");
     let data = FieldData::Scalar(&[1.0]);
-    let field = Field {
-        name: "density",
-        unit: "kg/m^3",
-        data,
-    };
+    let field = Field { name: "density", unit: "kg/m^3", data };
     let error = write_vtp(path, (&[0.0; 2], &[0.0; 2]), &[field]).unwrap_err();
     assert!(error.to_string().contains("`density`"), "{error}");
     let error = write_vtp(path, (&[0.0; 2], &[0.0; 3]), &[]).unwrap_err();
@@ -76,21 +60,8 @@ fn a_field_of_another_length_is_named() {
 fn frames_are_listed_by_time() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("particles.pvd");
-    write_pvd(
-        &path,
-        &[
-            (0.0, "frames/0.vtp".into()),
-            (1e-7, "frames/a&b.vtp".into()),
-        ],
-    )
-    .unwrap();
+    write_pvd(&path, &[(0.0, "frames/0.vtp".into()), (1e-7, "frames/a&b.vtp".into())]).unwrap();
     let text = std::fs::read_to_string(&path).unwrap();
-    assert!(
-        text.contains(r#"timestep="0.0" file="frames/0.vtp""#),
-        "{text}"
-    );
-    assert!(
-        text.contains(r#"timestep="1e-7" file="frames/a&amp;b.vtp""#),
-        "{text}"
-    );
+    assert!(text.contains(r#"timestep="0.0" file="frames/0.vtp""#), "{text}");
+    assert!(text.contains(r#"timestep="1e-7" file="frames/a&amp;b.vtp""#), "{text}");
 }

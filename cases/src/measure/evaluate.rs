@@ -1,0 +1,121 @@
+//! What a whole run has measured, against what is exact.
+
+use super::exact::Drop;
+use super::fit::{self, Oscillation};
+use super::history::History;
+use super::observe::{column_of, numbered, with_index};
+use crate::scene::{Measure, Scene};
+use std::f64::consts::PI;
+
+/// One measured number.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome {
+    /// What was measured.
+    pub name: String,
+    /// The measured value in `unit`; NaN where the run was too short.
+    pub value: f64,
+    /// SI unit; "1" for a plain number.
+    pub unit: &'static str,
+    /// The exact value, if there is one.
+    pub reference: Option<f64>,
+    /// Why there is no value, in a sentence.
+    pub doubt: Option<String>,
+}
+
+impl Outcome {
+    /// (value - reference)/reference, where there are a value and a reference other than zero.
+    pub fn relative_error(&self) -> Option<f64> {
+        let reference = self.reference.filter(|reference| *reference != 0.0)?;
+        Some((self.value - reference) / reference).filter(|error| error.is_finite())
+    }
+
+    fn of(name: String, value: Option<f64>, unit: &'static str) -> Self {
+        let doubt = format!("`{name}` cannot be told: the run is too short");
+        Outcome {
+            name,
+            value: value.unwrap_or(f64::NAN),
+            unit,
+            reference: None,
+            doubt: value.is_none().then_some(doubt),
+        }
+    }
+
+    fn against(mut self, reference: f64) -> Self {
+        self.reference = Some(reference);
+        self
+    }
+}
+
+/// Everything that the scene's measures say about a run.
+pub fn evaluate(scene: &Scene, history: &History) -> Vec<Outcome> {
+    let outcomes = with_index(&scene.measures).map(|(measure, index)| {
+        let column = column_of(measure, index);
+        match *measure {
+            Measure::LaplacePressure { radius, .. } => {
+                let name = numbered("laplace-pressure", index);
+                let exact = Drop::of(&scene.liquid, radius).laplace_pressure();
+                // One row is no mean over a quarter of a run.
+                let mean = moves(history).then(|| history.mean(&column, 0.75, 1.0));
+                vec![Outcome::of(name, mean.flatten(), "Pa").against(exact)]
+            }
+            Measure::SpuriousVelocity { .. } => {
+                let mean = |from, to| moves(history).then(|| history.mean(&column, from, to));
+                let end = numbered("spurious-velocity", index);
+                let start = numbered("spurious-velocity-start", index);
+                vec![
+                    Outcome::of(end, mean(0.9, 1.0).flatten(), "1").against(0.0),
+                    Outcome::of(start, mean(0.0, 0.1).flatten(), "1").against(0.0),
+                ]
+            }
+            Measure::Oscillation { mode, radius, .. } => {
+                let exact = Drop::of(&scene.liquid, radius).angular_frequency(mode);
+                let fit = oscillation_fit(history, &column, exact);
+                let name = |name: &str| numbered(name, index);
+                let damping = fit.map(|fit| fit.damping_per_period());
+                let residual = fit.map(|fit| fit.residual);
+                vec![
+                    Outcome::of(name("frequency"), fit.map(|fit| fit.frequency()), "Hz")
+                        .against(exact / (2.0 * PI)),
+                    Outcome::of(name("damping-per-period"), damping, "1").against(0.0),
+                    Outcome::of(name("fit-residual"), residual, "1"),
+                ]
+            }
+        }
+    });
+    outcomes.flatten().collect()
+}
+
+fn moves(history: &History) -> bool {
+    history.of("time").last().is_some_and(|time| *time > 0.0)
+}
+
+/// The oscillation that fits an observed quantity, from an expected angular frequency in rad/s.
+pub fn oscillation_fit(history: &History, column: &str, expected: f64) -> Option<Oscillation> {
+    fit::oscillation(&history.of("time"), &history.of(column), expected)
+}
+
+/// Changes from the first observation to the last: of axial momentum, relative to the largest sum of its
+/// magnitudes; of energy, relative to the first; of mass, relative to the first. NaN where unknown: the
+/// energy, where surface tension acts on a liquid whose surface is not known.
+pub fn conservation(scene: &Scene, history: &History) -> [f64; 3] {
+    let change = |values: &[f64]| match (values.first(), values.last()) {
+        (Some(first), Some(last)) => (last - first, *first),
+        _ => (f64::NAN, f64::NAN),
+    };
+    let scale = history.of("momentum scale");
+    let scale = scale.iter().fold(0.0f64, |most, value| most.max(*value));
+    let (momentum, _) = change(&history.of("momentum z"));
+    let momentum = if momentum == 0.0 { 0.0 } else { momentum / scale };
+    let mut energy = history.of("kinetic energy");
+    let mut parts = vec![history.of("compression energy")];
+    if scene.liquid.surface_tension > 0.0 {
+        parts.push(history.of("surface energy"));
+    }
+    let known = parts.iter().all(|part| part.len() == energy.len());
+    for part in &parts {
+        energy.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
+    }
+    let (energy, energy_scale) = change(&energy);
+    let (mass, mass_scale) = change(&history.of("mass"));
+    [momentum, if known { energy / energy_scale } else { f64::NAN }, mass / mass_scale]
+}

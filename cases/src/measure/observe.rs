@@ -1,0 +1,207 @@
+//! What is observed of a run on its way: energies, momentum, extents, and what the scene's measures need.
+
+use super::exact::Drop;
+use super::surface::Surface;
+use crate::scene::legendre;
+use crate::scene::{Liquid, Measure, Scene};
+use crate::simulation::Simulation;
+use meniscus_engine::field::Field;
+use meniscus_stages::equation_of_state::{EquationOfState, Linear};
+use meniscus_stages::fields;
+
+/// Name and SI unit of what is observed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Quantity {
+    /// Its name, unique in a run.
+    pub name: String,
+    /// Its SI unit; "1" for a plain number.
+    pub unit: &'static str,
+}
+
+/// Observes a run. Sums run over the particles in their memory order on one thread: the same for any
+/// number of threads, and for a resumed run.
+pub struct Observer {
+    equation: Linear,
+    liquid: Liquid,
+    origin: f64,
+    surface: Option<Surface>,
+    measures: Vec<Measure>,
+}
+
+/// Part of the drop's radius within which its pressure is measured, away from the surface's particles.
+const CORE: f64 = 0.7;
+
+const GENERAL: [(&str, &str); 12] = [
+    ("time", "s"),
+    ("step size", "s"),
+    ("mass", "kg"),
+    ("momentum z", "kg m/s"),
+    ("momentum scale", "kg m/s"),
+    ("kinetic energy", "J"),
+    ("compression energy", "J"),
+    ("rms velocity", "m/s"),
+    ("largest r", "m"),
+    ("smallest z", "m"),
+    ("largest z", "m"),
+    ("largest speed", "m/s"),
+];
+
+/// The name of the `index`-th of several equal ones: the first one stays plain.
+pub fn numbered(name: &str, index: usize) -> String {
+    match index {
+        0 => name.to_owned(),
+        _ => format!("{name}-{}", index + 1),
+    }
+}
+
+/// Every measure with the number of those of its kind before it.
+pub(super) fn with_index(measures: &[Measure]) -> impl Iterator<Item = (&Measure, usize)> {
+    measures.iter().enumerate().map(|(k, measure)| {
+        let kind = std::mem::discriminant(measure);
+        let before = measures[..k].iter();
+        let same = before.filter(|other| std::mem::discriminant(*other) == kind);
+        (measure, same.count())
+    })
+}
+
+/// Name of the column that a measure is made from.
+pub(super) fn column_of(measure: &Measure, index: usize) -> String {
+    match measure {
+        Measure::LaplacePressure { .. } => numbered("core pressure", index),
+        Measure::Oscillation { .. } => numbered("mode amplitude", index),
+        Measure::SpuriousVelocity { .. } => numbered("spurious velocity", index),
+    }
+}
+
+/// The particles' columns that observations need.
+pub(super) struct Particles<'a> {
+    pub(super) r: &'a [f64],
+    pub(super) z: &'a [f64],
+    pub(super) mass: &'a [f64],
+    pub(super) density: &'a [f64],
+    velocity: [&'a [f64]; 2],
+}
+
+impl Observer {
+    /// An observer of the scene's runs.
+    pub fn new(scene: &Scene, simulation: &Simulation) -> Self {
+        Observer {
+            equation: simulation.physics.equation,
+            liquid: scene.liquid.clone(),
+            origin: scene.domain.origin,
+            surface: Surface::of(scene),
+            measures: scene.measures.clone(),
+        }
+    }
+
+    /// What a row holds, in its order; `time` in s comes first.
+    pub fn quantities(&self) -> Vec<Quantity> {
+        let mut quantities: Vec<Quantity> =
+            GENERAL.iter().map(|&(name, unit)| Quantity { name: name.to_owned(), unit }).collect();
+        if self.surface.is_some() {
+            quantities.push(Quantity { name: "surface energy".to_owned(), unit: "J" });
+        }
+        quantities.extend(with_index(&self.measures).map(|(measure, index)| Quantity {
+            name: column_of(measure, index),
+            unit: match measure {
+                Measure::LaplacePressure { .. } => "Pa",
+                _ => "1",
+            },
+        }));
+        quantities
+    }
+
+    /// One row about the present state.
+    pub fn observe(&self, simulation: &Simulation) -> Vec<f64> {
+        let store = &simulation.world.store;
+        let column = |field: &Field<f64>| {
+            let column = store.by_name::<f64>(field.description.name);
+            column.expect("every pipeline moves particles of a mass and density")
+        };
+        let (r, z) = (column(&fields::RADIUS), column(&fields::AXIAL));
+        let (mass, density) = (column(&fields::MASS), column(&fields::DENSITY));
+        let velocity = (column(&fields::VELOCITY_R), column(&fields::VELOCITY_Z));
+        let particles =
+            Particles { r: &r, z: &z, mass: &mass, density: &density, velocity: [&velocity.0, &velocity.1] };
+        let clock = &simulation.world.clock;
+        let mut row = vec![clock.time, clock.previous_step_size];
+        self.observe_motion(&particles, &mut row);
+        let rms = row[7];
+        let of_measures: Vec<f64> =
+            self.measures.iter().map(|measure| self.observe_measure(&particles, measure, rms)).collect();
+        if let Some(surface) = &self.surface {
+            row.push(surface.energy(&particles, &self.measures, &of_measures));
+        }
+        row.extend(of_measures);
+        row
+    }
+
+    fn observe_motion(&self, particles: &Particles, row: &mut Vec<f64>) {
+        let [u, w] = particles.velocity;
+        let (mut mass, mut momentum, mut scale) = (0.0, 0.0, 0.0);
+        let (mut kinetic, mut compression, mut fastest) = (0.0, 0.0, 0.0f64);
+        let mut extents = [f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY];
+        for i in 0..particles.r.len() {
+            let m = particles.mass[i];
+            let square = u[i] * u[i] + w[i] * w[i];
+            mass += m;
+            momentum += m * w[i];
+            scale += (m * w[i]).abs();
+            kinetic += 0.5 * m * square;
+            compression += m * self.compression_energy(particles.density[i]);
+            fastest = fastest.max(square);
+            let (r, z) = (particles.r[i], particles.z[i]);
+            extents = [extents[0].max(r), extents[1].min(z), extents[2].max(z)];
+        }
+        let rms = (2.0 * kinetic / mass).sqrt();
+        row.extend([mass, momentum, scale, kinetic, compression, rms]);
+        row.extend(extents);
+        row.push(fastest.sqrt());
+    }
+
+    /// The integral of P/rho^2 over the density from that at rest, in J/kg.
+    fn compression_energy(&self, density: f64) -> f64 {
+        let excess = (density - self.equation.reference_density) / self.equation.reference_density;
+        // ln(1 + x) - x/(1 + x): the series where the difference of both would cancel.
+        let integral = if excess.abs() < 1e-4 {
+            excess * excess * (0.5 - excess * (2.0 / 3.0 - 0.75 * excess))
+        } else {
+            excess.ln_1p() - excess / (1.0 + excess)
+        };
+        self.equation.sound_speed.powi(2) * integral
+    }
+
+    fn observe_measure(&self, particles: &Particles, measure: &Measure, rms: f64) -> f64 {
+        let place = |i: usize, centre: f64| {
+            let (r, z) = (particles.r[i] + self.origin, particles.z[i] - centre);
+            (r.hypot(z), z)
+        };
+        let all = 0..particles.r.len();
+        match *measure {
+            Measure::LaplacePressure { radius, centre } => {
+                let inside = all.filter(|&i| place(i, centre).0 < CORE * radius);
+                let (sum, mass) = inside.fold((0.0, 0.0), |(sum, mass), i| {
+                    let m = particles.mass[i];
+                    // The whole pressure, whatever part of it the forces leave out.
+                    let pressure = self.equation.pressure(particles.density[i]);
+                    (sum + m * pressure, mass + m)
+                });
+                sum / mass
+            }
+            Measure::Oscillation { mode, radius, centre } => {
+                let (sum, mass) = all.fold((0.0, 0.0), |(sum, mass), i| {
+                    let (s, z) = place(i, centre);
+                    let harmonic = if s > 0.0 {
+                        (s / radius).powi(mode as i32) * legendre(mode as usize, z / s)[0]
+                    } else {
+                        0.0
+                    };
+                    let m = particles.mass[i];
+                    (sum + m * harmonic, mass + m)
+                });
+                sum / mass
+            }
+            Measure::SpuriousVelocity { radius } => rms / Drop::of(&self.liquid, radius).capillary_velocity(),
+        }
+    }
+}

@@ -1,0 +1,139 @@
+//! From a simulation to a checkpoint, and back.
+
+use super::{Simulation, StartError};
+use crate::assemble::{Assembly, Physics, assemble};
+use crate::scene::Scene;
+use meniscus_engine::checkpoint::{self, Checkpoint, Column, Data};
+use meniscus_engine::clock::Clock;
+use meniscus_engine::field::{Description, Role, Values};
+use meniscus_engine::pipeline::World;
+use meniscus_engine::store::Store;
+use meniscus_stages::fields;
+
+/// The marks that stages set on the clock.
+const MARKS: [&str; 1] = ["curvature"];
+
+impl Simulation {
+    /// The whole state: every State column in memory order, the clock with its marks, and the scene's
+    /// effective text.
+    pub fn checkpoint(&self, scene: &Scene) -> Checkpoint {
+        let store = &self.world.store;
+        let state = store.columns().filter(|(d, _)| d.role == Role::State);
+        Checkpoint {
+            clock: written_clock(&self.world.clock),
+            scene: scene.text.clone(),
+            revision: env!("CARGO_PKG_VERSION").to_owned(),
+            columns: state.map(|(d, values)| column(d, &values)).collect(),
+        }
+    }
+
+    /// Continues from a checkpoint of the scene, bit for bit as if there had been no interruption. The
+    /// start stages run only where no step has been taken yet.
+    ///
+    /// # Errors
+    /// Columns that are missing, of another type or length, or hold values that no state can have.
+    pub fn resume(scene: &Scene, checkpoint: &Checkpoint) -> Result<Self, StartError> {
+        let physics = Physics::of(scene);
+        let Assembly { wiring, pipeline, plan } = assemble(&physics)?;
+        let mut store = wiring.allocate(checkpoint.particles());
+        let clock = read_clock(&checkpoint.clock).map_err(StartError::Checkpoint)?;
+        take_columns(&mut store, checkpoint).map_err(StartError::Checkpoint)?;
+        check_state(&store, scene.domain.origin).map_err(StartError::Checkpoint)?;
+        let mut simulation = Simulation { physics, world: World::new(store, clock), plan, pipeline };
+        if simulation.world.clock.step == 0 {
+            simulation.begin().map_err(StartError::Settling)?;
+        }
+        Ok(simulation)
+    }
+}
+
+fn column(description: Description, values: &Values) -> Column {
+    Column {
+        name: description.name.to_owned(),
+        symbol: description.symbol.to_owned(),
+        unit: description.unit.to_owned(),
+        about: description.about.to_owned(),
+        role: checkpoint::Role::State,
+        data: match values {
+            Values::F64(values) => Data::F64(values.clone()),
+            Values::U32(values) => Data::U32(values.clone()),
+        },
+    }
+}
+
+fn written_clock(clock: &Clock) -> checkpoint::Clock {
+    let marks = clock.marks().iter();
+    checkpoint::Clock {
+        step: clock.step,
+        time: clock.time,
+        step_size: clock.previous_step_size,
+        scalars: marks.map(|&(name, time)| (name.to_owned(), time)).collect(),
+    }
+}
+
+fn read_clock(written: &checkpoint::Clock) -> Result<Clock, String> {
+    let [time, step_size] = [written.time, written.step_size];
+    if !(time >= 0.0 && time.is_finite() && step_size >= 0.0 && step_size.is_finite()) {
+        return Err(format!("its time is {time:e} s and its step size {step_size:e} s"));
+    }
+    let mut clock = Clock::at(written.step, time, step_size);
+    for (name, time) in &written.scalars {
+        let known = MARKS.iter().find(|mark| *mark == name);
+        let name = known.ok_or_else(|| format!("its clock has an unknown mark `{name}`"))?;
+        if !time.is_finite() {
+            return Err(format!("the mark `{name}` of its clock is {time}"));
+        }
+        clock.restore_mark(name, *time);
+    }
+    Ok(clock)
+}
+
+fn take_columns(store: &mut Store, checkpoint: &Checkpoint) -> Result<(), String> {
+    let columns = store.columns().filter(|(d, _)| d.role == Role::State);
+    let names: Vec<&str> = columns.map(|(description, _)| description.name).collect();
+    let missing: Vec<String> = names
+        .iter()
+        .filter(|name| checkpoint.column(name).is_none())
+        .map(|name| format!("`{name}`"))
+        .collect();
+    if !missing.is_empty() {
+        return Err(format!("it lacks {}", missing.join(", ")));
+    }
+    if checkpoint.particles() == 0 {
+        return Err("it holds no particles".to_owned());
+    }
+    for column in &checkpoint.columns {
+        let name = column.name.as_str();
+        if !names.contains(&name) {
+            continue;
+        }
+        let taken = match &column.data {
+            Data::F64(values) => {
+                if let Some(place) = values.iter().position(|value| !value.is_finite()) {
+                    return Err(format!("`{name}` of particle {place} in memory order is {}", values[place]));
+                }
+                store.set(name, values)
+            }
+            Data::U32(values) => store.set(name, values),
+        };
+        if !taken {
+            return Err(format!("`{name}` is of another type or length"));
+        }
+    }
+    Ok(())
+}
+
+fn check_state(store: &Store, origin: f64) -> Result<(), String> {
+    for (field, above) in [(&fields::RADIUS, -origin), (&fields::DENSITY, 0.0), (&fields::MASS, 0.0)] {
+        let name = field.description.name;
+        let values = store.by_name::<f64>(name);
+        let bad = values.as_deref().and_then(|values| values.iter().find(|value| **value <= above));
+        if let Some(value) = bad {
+            return Err(format!("a {name} is {value:e}: it must be above {above:e}"));
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests;

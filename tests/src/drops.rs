@@ -1,0 +1,148 @@
+//! Drops as scenes, and what tests measure of them.
+
+use meniscus_cases::scene::{Scene, parse};
+use meniscus_cases::simulation::Simulation;
+
+/// A drop that oscillates in mode 2: 12 particles across its radius, not settled.
+const DROP: &str = r#"format = 1
+title = "A drop oscillates"
+[parameters]
+radius = "2.5 um"
+resolution = 12
+surface_tension = "0.074 N/m"
+density = "1000 kg/m3"
+amplitude = 0.02
+capillary_velocity = "sqrt(surface_tension/(density*radius))"
+[liquid]
+density = "density"
+surface_tension = "surface_tension"
+sound_speed = "auto"
+equation_of_state = "linear"
+[[body]]
+shape = { sphere = { radius = "radius", centre = "0 m" } }
+velocity = { r = "-amplitude*capillary_velocity*(r/radius)/2", z = "amplitude*capillary_velocity*z/radius" }
+[particles]
+size = "radius/resolution"
+settle = 0
+[run]
+until = "8 * sqrt(density*radius^3/surface_tension)"
+"#;
+
+/// A scene from its text and settings (`key=value`).
+///
+/// # Panics
+/// If it has a mistake.
+pub fn scene(text: &str, settings: &[&str]) -> Scene {
+    let settings: Vec<String> = settings.iter().map(|&s| s.to_owned()).collect();
+    match parse("test.toml", text, &settings) {
+        Ok(scene) => scene,
+        Err(diagnosis) => panic!("{diagnosis}"),
+    }
+}
+
+/// The drop with settings.
+pub fn drop(settings: &[&str]) -> Scene {
+    scene(DROP, settings)
+}
+
+/// A scene in motion.
+///
+/// # Panics
+/// If it cannot be set in motion.
+pub fn start(scene: &Scene) -> Simulation {
+    match Simulation::new(scene, &mut |_, _| {}) {
+        Ok(simulation) => simulation,
+        Err(error) => panic!("{error}"),
+    }
+}
+
+/// Takes steps.
+///
+/// # Panics
+/// At the first fault.
+pub fn advance(simulation: &mut Simulation, steps: usize) {
+    for _ in 0..steps {
+        if let Err(fault) = simulation.step() {
+            panic!("{fault}");
+        }
+    }
+}
+
+/// A column of real numbers, in memory order.
+///
+/// # Panics
+/// If the scene's pipeline has none of that name.
+pub fn column(simulation: &Simulation, name: &str) -> Vec<f64> {
+    match simulation.world.store.by_name::<f64>(name) {
+        Some(values) => values.to_vec(),
+        None => panic!("no column `{name}`"),
+    }
+}
+
+/// Sums over all particles of one drop or several, in SI units.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Totals {
+    /// Sum of m.
+    pub mass: f64,
+    /// Sum of m U_z.
+    pub momentum: f64,
+    /// Sum of |m U_z|.
+    pub momentum_scale: f64,
+    /// Sum of m U^2/2.
+    pub kinetic: f64,
+    /// Sum of m times the integral of P/rho^2 from the rest density on.
+    pub elastic: f64,
+    /// Sum of m (z^2 - r^2/2) about the centre of mass.
+    pub quadrupole: f64,
+    /// Centre of mass on the axis.
+    pub centre: f64,
+}
+
+/// The totals at the present time.
+pub fn totals(simulation: &Simulation) -> Totals {
+    let [r, z, u, w, rho, m] =
+        ["radius", "axial", "velocity_r", "velocity_z", "density", "mass"]
+            .map(|name| column(simulation, name));
+    let equation = &simulation.physics.equation;
+    let square = equation.sound_speed * equation.sound_speed;
+    let mut totals = Totals::default();
+    for i in 0..m.len() {
+        totals.mass += m[i];
+        totals.momentum += m[i] * w[i];
+        totals.momentum_scale += (m[i] * w[i]).abs();
+        totals.kinetic += 0.5 * m[i] * (u[i] * u[i] + w[i] * w[i]);
+        let x = rho[i] / equation.reference_density;
+        // ln x + 1/x - 1 cancels near x = 1: its series there.
+        let excess = x - 1.0;
+        let shape = if excess.abs() < 1e-3 {
+            excess * excess * (0.5 - excess * (2.0 / 3.0 - 0.75 * excess))
+        } else {
+            x.ln() + 1.0 / x - 1.0
+        };
+        totals.elastic += m[i] * square * shape;
+        totals.centre += m[i] * z[i];
+    }
+    totals.centre /= totals.mass;
+    for i in 0..m.len() {
+        totals.quadrupole += m[i] * ((z[i] - totals.centre).powi(2) - 0.5 * r[i] * r[i]);
+    }
+    totals
+}
+
+/// Root of the mass-weighted mean square of the speed, m/s.
+pub fn mean_speed(simulation: &Simulation) -> f64 {
+    let totals = totals(simulation);
+    (2.0 * totals.kinetic / totals.mass).sqrt()
+}
+
+/// Whether every State column of the run is finite.
+pub fn is_finite(simulation: &Simulation) -> bool {
+    use meniscus_engine::field::{Role, Values};
+    let mut columns = simulation.world.store.columns();
+    columns.all(|(description, values)| match &*values {
+        Values::F64(values) if description.role == Role::State => {
+            values.iter().all(|value| value.is_finite())
+        }
+        _ => true,
+    })
+}

@@ -1,0 +1,145 @@
+//! Drops against exact solutions, and every choice of the method over some hundred steps.
+
+use meniscus_cases::simulation::Simulation;
+use meniscus_tests::drops::{self, is_finite, mean_speed, totals};
+use std::f64::consts::PI;
+
+/// A damped cosine about a constant, by least squares over a search in frequency and damping.
+struct Fit {
+    frequency: f64,
+    damping: f64,
+}
+
+/// Squared residual of the best a e^{-gt} cos(wt) + b e^{-gt} sin(wt) + c.
+fn residual(samples: &[(f64, f64)], frequency: f64, damping: f64) -> f64 {
+    let basis = |t: f64| {
+        let envelope = (-damping * t).exp();
+        [envelope * (frequency * t).cos(), envelope * (frequency * t).sin(), 1.0]
+    };
+    // Gram-Schmidt on the three columns keeps the normal equations out.
+    let mut columns: Vec<Vec<f64>> =
+        (0..3).map(|k| samples.iter().map(|&(t, _)| basis(t)[k]).collect()).collect();
+    let mut rest: Vec<f64> = samples.iter().map(|&(_, value)| value).collect();
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    for k in 0..3 {
+        let (done, open) = columns.split_at_mut(k + 1);
+        let square = dot(&done[k], &done[k]);
+        for other in open.iter_mut().chain(std::iter::once(&mut rest)) {
+            let share = dot(&done[k], other) / square;
+            for (other, column) in other.iter_mut().zip(&done[k]) {
+                *other -= share * column;
+            }
+        }
+    }
+    dot(&rest, &rest)
+}
+
+/// Narrows a grid around the least residual.
+fn fit(samples: &[(f64, f64)], guess: f64) -> Fit {
+    let mut best = Fit { frequency: guess, damping: 0.0 };
+    let (mut width, mut height) = (0.1 * guess, 0.05 * guess);
+    for _ in 0..14 {
+        let (centre, middle) = (best.frequency, best.damping);
+        let mut least = f64::INFINITY;
+        for i in -4..=4 {
+            for j in -4..=4 {
+                let frequency = centre + 0.25 * f64::from(i) * width;
+                let damping = middle + 0.25 * f64::from(j) * height;
+                let found = residual(samples, frequency, damping);
+                if found < least {
+                    (least, best) = (found, Fit { frequency, damping });
+                }
+            }
+        }
+        (width, height) = (0.5 * width, 0.5 * height);
+    }
+    best
+}
+
+#[test]
+fn an_oscillating_drop_has_rayleighs_frequency() {
+    let scene = drops::drop(&["particles.settle=3"]);
+    let mut simulation = drops::start(&scene);
+    // omega^2 = l (l - 1)(l + 2) sigma/(rho R^3) with l = 2.
+    let exact = 8.0f64.sqrt() / Simulation::capillary_time(&scene);
+    let mut samples = Vec::new();
+    while simulation.world.clock.time < 2.0 * 2.0 * PI / exact {
+        drops::advance(&mut simulation, 5);
+        samples.push((simulation.world.clock.time * exact, totals(&simulation).quadrupole));
+    }
+    let scale = samples.iter().fold(0.0f64, |most, s| most.max(s.1.abs()));
+    for sample in &mut samples {
+        sample.1 /= scale;
+    }
+    let fit = fit(&samples, 1.0);
+    println!("frequency {:+.4} %, damping {:+.5} per period", 100.0 * (fit.frequency - 1.0), 2.0 * PI * fit.damping);
+    // The prototype of the method is .54 % off at this resolution; packings scatter by .1 %.
+    assert!((fit.frequency - 1.0).abs() < 0.008, "{}", fit.frequency);
+    // Its damping was below .003 a period; the curvature's extrapolation leaves up to .008.
+    assert!((2.0 * PI * fit.damping).abs() < 0.01, "{}", 2.0 * PI * fit.damping);
+}
+
+#[test]
+fn a_resting_drop_holds_laplaces_pressure() {
+    let scene = drops::drop(&["amplitude=0", "particles.settle=3"]);
+    let mut simulation = drops::start(&scene);
+    let (time, speed) = (Simulation::capillary_time(&scene), scene.capillary_velocity());
+    let (mut early, mut late, mut pressure, mut count) = (0.0, 0.0, 0.0, 0.0);
+    while simulation.world.clock.time < 5.0 * time {
+        drops::advance(&mut simulation, 1);
+        let elapsed = simulation.world.clock.time / time;
+        if elapsed < 1.0 {
+            early = mean_speed(&simulation) / speed;
+        }
+        if elapsed > 4.0 {
+            late = mean_speed(&simulation) / speed;
+            let [p, reference, mass] =
+                ["pressure", "reference_pressure", "mass"].map(|name| drops::column(&simulation, name));
+            let sum: f64 = (0..p.len()).map(|i| mass[i] * (p[i] + reference[i])).sum();
+            pressure += sum / mass.iter().sum::<f64>();
+            count += 1.0;
+        }
+    }
+    let laplace = 2.0 * 0.074 / 2.5e-6;
+    let error = pressure / count / laplace - 1.0;
+    println!("pressure {:+.3} %, speed {early:.2e} at 1, {late:.2e} at 5", 100.0 * error);
+    // The colour field's curvature is .8 % high at R/D = 10 and less from there on.
+    assert!(error.abs() < 0.01, "{error}");
+    // Undamped capillary modes of an imperfect start were .7e-3 unsettled; settled they are less.
+    assert!(late < 2e-3 && late <= 1.2 * early.max(1e-4), "{early:e} {late:e}");
+}
+
+/// Steps a drop; it must stay finite and bound.
+fn survives(settings: &[&str]) {
+    let settings: Vec<&str> = settings.iter().copied().chain(["particles.settle=0.3"]).collect();
+    let scene = drops::drop(&settings);
+    let mut simulation = drops::start(&scene);
+    drops::advance(&mut simulation, 200);
+    assert!(is_finite(&simulation), "{settings:?}");
+    let speed = mean_speed(&simulation) / scene.capillary_velocity();
+    println!("{settings:?}: mean speed {speed:.3}");
+    // Twenty times the start's speed: nothing that a drop does by itself.
+    assert!(speed < 0.2, "{settings:?}: {speed}");
+}
+
+#[test]
+fn the_papers_own_method_runs() {
+    survives(&["paper=true"]);
+}
+
+#[test]
+fn parshikovs_scheme_runs() {
+    survives(&["method.scheme=parshikov"]);
+    survives(&["method.axis=parshikov"]);
+}
+
+#[test]
+fn shifting_runs() {
+    survives(&["method.shifting=0.5"]);
+}
+
+#[test]
+fn wider_kernels_run() {
+    survives(&["method.theta=0.6"]);
+    survives(&["method.theta=0.75"]);
+}

@@ -1,0 +1,190 @@
+//! No pair within its support is ever missing in the list, however the particles move.
+
+use meniscus_engine::clock::Clock;
+use meniscus_engine::neighbours::Domain;
+use meniscus_engine::pipeline::{Stage, World};
+use meniscus_engine::wiring::Wiring;
+use meniscus_stages::equation_of_state::Packing;
+use meniscus_stages::sort_bin::SortBin;
+use meniscus_tests::liquid::{Random, SIZE};
+use std::collections::HashSet;
+use std::f64::consts::PI;
+
+const SKIN: f64 = 0.3 * SIZE;
+const DENSITY: f64 = 1000.0;
+
+struct Cloud {
+    packing: Packing,
+    world: World,
+    sort: SortBin,
+}
+
+impl Cloud {
+    fn new(domain: Domain, random: &mut Random) -> Self {
+        let packing = Packing {
+            domain,
+            theta: 0.6,
+            largest_size: 2.0 * SIZE,
+        };
+        let mut wiring = Wiring::new();
+        let sort = SortBin::new(&mut wiring, packing, SKIN);
+        wiring.read(&meniscus_stages::fields::IDENTITY);
+        let (mut r, mut z, mut mass) = (Vec::new(), Vec::new(), Vec::new());
+        for i in 0..300 {
+            r.push(SIZE * (0.1 + f64::from(i / 20) + 0.09 * random.next()));
+            z.push(SIZE * (0.5 + f64::from(i % 20) + 0.4 * random.next()));
+            let radius = r[r.len() - 1] + domain.origin;
+            mass.push(DENSITY * 2.0 * PI * radius * SIZE * SIZE * (1.0 + 0.4 * random.next()));
+        }
+        let mut store = wiring.allocate(r.len());
+        store.set("radius", &r);
+        store.set("axial", &z);
+        store.set("mass", &mass);
+        store.set("density", &vec![DENSITY; r.len()]);
+        let mut world = World::new(store, Clock::default());
+        world.clock.step = 1;
+        Cloud { packing, world, sort }
+    }
+
+    fn run(&mut self) {
+        self.sort.run(&mut self.world).expect("no fault");
+    }
+
+    fn column(&self, name: &str) -> Vec<f64> {
+        self.world.store.by_name::<f64>(name).expect("a column").to_vec()
+    }
+
+    /// Half the support radius of every particle at the present positions and densities.
+    fn reach(&self) -> Vec<f64> {
+        let [r, mass, density] = ["radius", "mass", "density"].map(|name| self.column(name));
+        let reach = |i: usize| {
+            let area = mass[i] / (2.0 * PI * (r[i] + self.packing.domain.origin) * density[i]);
+            2.0 * self.packing.theta * area.sqrt().min(self.packing.largest_size)
+        };
+        (0..r.len()).map(reach).collect()
+    }
+
+    /// Moves every particle by a share of what its own half of the skin leaves, in a direction that
+    /// the test chooses; the growth of the support counts as well.
+    fn shake(&mut self, share: f64, direction: &mut dyn FnMut([f64; 2]) -> f64) {
+        let [mut r, mut z, list_r, list_z, list_reach] =
+            ["radius", "axial", "list_radius", "list_axial", "list_reach"]
+                .map(|name| self.column(name));
+        for i in 0..r.len() {
+            let angle = direction([r[i], z[i]]);
+            // Towards the axis a support grows: .4 of the skin leaves room for that.
+            let target = 0.4 * SKIN * share;
+            let to = [list_r[i] + target * angle.cos(), list_z[i] + target * angle.sin()];
+            let before = (r[i], z[i]);
+            r[i] = to[0].max(0.02 * SIZE);
+            z[i] = to[1];
+            self.world.store.set("radius", &r);
+            let used = (r[i] - list_r[i]).hypot(z[i] - list_z[i])
+                + (self.reach()[i] - list_reach[i]).max(0.0);
+            if used >= 0.5 * SKIN {
+                (r[i], z[i]) = before;
+            }
+        }
+        self.world.store.set("radius", &r);
+        self.world.store.set("axial", &z);
+    }
+
+    /// Every pair within its support, images included, that the list lacks.
+    fn missing(&self) -> usize {
+        let (r, z, reach) = (self.column("radius"), self.column("axial"), self.reach());
+        let Domain { origin, period } = self.packing.domain;
+        let list = &self.world.neighbours;
+        let shifts = period.map_or(vec![0.0], |(_, length)| vec![-length, 0.0, length]);
+        let mut missing = 0;
+        for a in 0..r.len() {
+            let listed: HashSet<(usize, bool, u64)> = list
+                .of(a)
+                .map(|number| match number.checked_sub(list.len()) {
+                    None => (number, false, 0.0f64.to_bits()),
+                    Some(image) => {
+                        let image = &list.images()[image];
+                        (image.source as usize, image.mirrored, image.shift.to_bits())
+                    }
+                })
+                .collect();
+            for b in 0..r.len() {
+                for shift in &shifts {
+                    for mirrored in [false, true] {
+                        let at = if mirrored { -r[b] - 2.0 * origin } else { r[b] };
+                        let near = (at - r[a]).hypot(z[b] + shift - z[a]) < reach[a] + reach[b];
+                        let itself = a == b && !mirrored && *shift == 0.0;
+                        if near && !itself && !listed.contains(&(b, mirrored, shift.to_bits())) {
+                            missing += 1;
+                        }
+                    }
+                }
+            }
+        }
+        missing
+    }
+}
+
+fn domains() -> [Domain; 3] {
+    let period = Some((0.0, 20.0 * SIZE));
+    [
+        Domain { origin: 0.0, period: None },
+        Domain { origin: 0.0, period },
+        Domain { origin: 1.0, period },
+    ]
+}
+
+#[test]
+fn random_walks_within_the_skin() {
+    for domain in domains() {
+        let mut random = Random::new(37);
+        let mut cloud = Cloud::new(domain, &mut random);
+        cloud.world.clock.step = 0;
+        cloud.run();
+        for _ in 0..10 {
+            cloud.shake(0.999, &mut |_| PI * random.next());
+            let builds = cloud.world.neighbours.builds();
+            cloud.run();
+            assert_eq!(cloud.world.neighbours.builds(), builds, "below the criterion");
+            assert_eq!(cloud.missing(), 0, "{domain:?}");
+        }
+    }
+}
+
+#[test]
+fn everything_rushes_to_one_point_over_many_rebuilds() {
+    for domain in domains() {
+        let mut random = Random::new(41);
+        let mut cloud = Cloud::new(domain, &mut random);
+        cloud.world.clock.step = 0;
+        cloud.run();
+        for round in 0..12 {
+            let centre = [4.0 * SIZE, (4.0 + f64::from(round)) * SIZE];
+            cloud.shake(0.999, &mut |[r, z]| (centre[1] - z).atan2(centre[0] - r));
+            cloud.run();
+            assert_eq!(cloud.missing(), 0, "{domain:?}, round {round}");
+            // One particle beyond its half of the skin: the list must follow.
+            let mut z = cloud.column("axial");
+            z[round as usize * 7] += 1.01 * SKIN;
+            cloud.world.store.set("axial", &z);
+            let builds = cloud.world.neighbours.builds();
+            cloud.run();
+            assert_eq!(cloud.world.neighbours.builds(), builds + 1);
+            assert_eq!(cloud.missing(), 0, "{domain:?}, round {round}");
+        }
+    }
+}
+
+#[test]
+fn growing_supports_use_up_the_skin() {
+    let mut cloud = Cloud::new(domains()[0], &mut Random::new(43));
+    cloud.world.clock.step = 0;
+    cloud.run();
+    for round in 0..20 {
+        // All particles expand in place, as in a rarefaction.
+        let density: Vec<f64> = cloud.column("density").iter().map(|rho| 0.97 * rho).collect();
+        cloud.world.store.set("density", &density);
+        cloud.run();
+        assert_eq!(cloud.missing(), 0, "round {round}");
+    }
+    assert!(cloud.world.neighbours.builds() > 2);
+}

@@ -1,0 +1,265 @@
+//! The pair sums of one step against the method's equations, particle by particle.
+
+use meniscus_cases::assemble::Physics;
+use meniscus_cases::scene::{Flux, Method};
+use meniscus_tests::liquid::{self, Block, FLUXES, GRADIENT, Random, SIZE, WEIGHTS};
+use meniscus_tests::reference::{Particle, Sums};
+
+/// Sums of some fifty terms in another order, and inverses that are shared: an error of 1e-14 of the
+/// largest term; the largest column is at least a thousandth of that.
+const TOLERANCE: f64 = 1e-11;
+
+fn agree(name: &str, about: &str, found: &[f64], expected: &[f64]) {
+    let scale = expected.iter().fold(0.0f64, |most, value| most.max(value.abs()));
+    assert!(scale > 0.0, "{name} is zero everywhere: nothing is compared ({about})");
+    for (i, (found, expected)) in found.iter().zip(expected).enumerate() {
+        let error = (found - expected).abs() / scale;
+        assert!(
+            error < TOLERANCE,
+            "{name} of particle {i} is {found:e}, not {expected:e}: {error:e} of the largest ({about})"
+        );
+    }
+}
+
+fn differ(left: &[f64], right: &[f64]) -> Vec<f64> {
+    left.iter().zip(right).map(|(left, right)| left - right).collect()
+}
+
+/// 2 (U* - U_a . e)|bw| of equation (24) for flagged particles: the ghost holds minus the reference
+/// pressure and a millionth of the impedance.
+fn ghost_strain(physics: &Physics, particles: &[Particle], sums: &[Sums], surface: &[u32]) -> Vec<f64> {
+    let medium = liquid::medium(physics);
+    let strain = |((a, sums), &flag): ((&Particle, &Sums), &u32)| {
+        let own = medium.impedance(a);
+        let rise = (medium.pressure(a) + a.reference_pressure) / (own * (1.0 + 1e-6));
+        let [r, z] = sums.ghost_weight;
+        if flag == 0 { 0.0 } else { 2.0 * rise * r.hypot(z) }
+    };
+    particles.iter().zip(sums).zip(surface).map(strain).collect()
+}
+
+/// tr(T L^{-1}) and T L^{-1} itself; zero where a neighbourhood is too poor.
+fn solved(sums: &Sums) -> [[f64; 2]; 2] {
+    let [[rr, rz], [zr, zz]] = sums.moment;
+    let determinant = rr * zz - rz * zr;
+    let lesser = 0.5 * (rr + zz) - (0.25 * (rr - zz).powi(2) + rz * zr).sqrt();
+    if lesser < 0.2 {
+        return [[0.0; 2]; 2];
+    }
+    sums.velocity_sum.map(|[r, z]| {
+        [(r * zz - z * zr) / determinant, (z * rr - r * rz) / determinant]
+    })
+}
+
+fn compare(physics: &Physics, particles: &[Particle], about: &str) {
+    let mut block = Block::new(physics, particles);
+    block.step();
+    let sums = liquid::medium(physics).sums(particles);
+    let pick = |value: &dyn Fn(&Sums) -> f64| sums.iter().map(value).collect::<Vec<f64>>();
+
+    let ghosts = ghost_strain(physics, particles, &sums, &block.surface());
+    let strain = differ(&block.column("strain_rate"), &ghosts);
+    agree("strain_rate", about, &strain, &pick(&|s| s.strain_rate));
+    for (k, axis) in ["r", "z"].into_iter().enumerate() {
+        let column = |name: &str| block.column(&format!("{name}_{axis}"));
+        let force = differ(&column("force"), &column("surface_force"));
+        agree("force", about, &force, &pick(&|s| s.force[k]));
+        agree("dissipation", about, &column("dissipation"), &pick(&|s| s.dissipation[k]));
+        agree("ghost_weight", about, &column("ghost_weight"), &pick(&|s| s.ghost_weight[k]));
+        if physics.method.shifting > 0.0 {
+            agree("crowding", about, &column("crowding"), &pick(&|s| s.crowding[k]));
+        }
+    }
+    for (name, [i, j]) in [("moment_rr", [0, 0]), ("moment_rz", [0, 1]), ("moment_zz", [1, 1])] {
+        agree(name, about, &block.column(name), &pick(&|s| s.moment[i][j]));
+    }
+    if physics.method.flux == Flux::FirstOrder {
+        return;
+    }
+    let names = [["velocity_sum_rr", "velocity_sum_rz"], ["velocity_sum_zr", "velocity_sum_zz"]];
+    for i in 0..2 {
+        for j in 0..2 {
+            agree(names[i][j], about, &block.column(names[i][j]), &pick(&|s| s.velocity_sum[i][j]));
+            let expected = pick(&|s| solved(s)[i][j]);
+            agree(GRADIENT[i][j], about, &block.column(GRADIENT[i][j]), &expected);
+        }
+    }
+}
+
+fn with(change: impl Fn(&mut Method)) -> Physics {
+    let mut method = liquid::bare_method();
+    change(&mut method);
+    liquid::physics(method)
+}
+
+#[test]
+fn every_scheme_and_flux_at_the_axis() {
+    for (scheme, axis) in WEIGHTS {
+        for flux in FLUXES {
+            for (theta, shifting) in [(0.5, 0.0), (0.6, 0.5), (0.75, 0.0), (1.0, 0.5)] {
+                let physics = with(|m| {
+                    (m.scheme, m.axis, m.flux) = (scheme, axis, flux);
+                    (m.theta, m.shifting) = (theta, shifting);
+                });
+                let mut random = Random::new(7);
+                // From .1 D on: the nearest particles see their own image and are larger than the cap.
+                let mut particles = liquid::block([13, 15], 0.1, 0.3, &mut random);
+                liquid::stir(&mut particles, &mut random);
+                particles[3].mass *= 40.0;
+                compare(&physics, &particles, &format!("{scheme:?} {axis:?} {flux:?} {theta}"));
+            }
+        }
+    }
+}
+
+#[test]
+fn kernel_scales_and_reference_pressures() {
+    for flux in FLUXES {
+        let physics = with(|m| (m.flux, m.kernel_correction) = (flux, true));
+        let mut random = Random::new(11);
+        let mut particles = liquid::block([10, 12], 0.4, 0.3, &mut random);
+        liquid::stir(&mut particles, &mut random);
+        for particle in &mut particles {
+            particle.kernel_scale = 1.0 + 0.05 * random.next();
+            particle.reference_pressure = 1e4 * random.next();
+        }
+        compare(&physics, &particles, &format!("kernel scale, {flux:?}"));
+    }
+}
+
+#[test]
+fn a_period_and_a_distant_axis() {
+    for (scheme, axis) in WEIGHTS {
+        for origin in [0.0, 30.0 * SIZE, 1.0] {
+            let mut physics = with(|m| (m.scheme, m.axis) = (scheme, axis));
+            physics.domain.origin = origin;
+            physics.domain.period = Some((0.0, 14.0 * SIZE));
+            let mut random = Random::new(13);
+            let mut particles = liquid::block([10, 14], 0.4, 0.25, &mut random);
+            liquid::stir(&mut particles, &mut random);
+            for particle in &mut particles {
+                particle.mass *= (particle.position[0] + origin) / particle.position[0];
+                particle.position[1] = particle.position[1].clamp(0.0, 13.99 * SIZE);
+            }
+            compare(&physics, &particles, &format!("{scheme:?} {axis:?} origin {origin}"));
+        }
+    }
+}
+
+/// Sum and sum of magnitudes.
+fn total(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    values.fold((0.0, 0.0), |(sum, scale), value| (sum + value, scale + value.abs()))
+}
+
+#[test]
+fn harmonic_mean_pairs_conserve_momentum_and_energy() {
+    for flux in FLUXES {
+        let mut found = Vec::new();
+        for (scheme, axis) in WEIGHTS {
+            let physics = with(|m| (m.scheme, m.axis, m.flux) = (scheme, axis, flux));
+            let mut random = Random::new(17);
+            let mut particles = liquid::block([14, 16], 0.1, 0.3, &mut random);
+            liquid::stir(&mut particles, &mut random);
+            let mut block = Block::new(&physics, &particles);
+            block.step();
+            let volume = |i: usize| particles[i].mass / particles[i].density;
+            let force = differ(&block.column("force_z"), &block.column("surface_force_z"));
+            let dissipation = block.column("dissipation_z");
+            let (sum, scale) =
+                total((0..force.len()).map(|i| volume(i) * (force[i] + dissipation[i])));
+            // The engine evolves no energy: the same pairs' power comes from the equations.
+            let sums = liquid::medium(&physics).sums(&particles);
+            let (power, power_scale) = total((0..force.len()).map(|i| volume(i) * sums[i].power));
+            found.push([sum.abs() / scale, power.abs() / power_scale]);
+        }
+        // Every term has its opposite but for the rounding of the weights.
+        assert!(found[0].iter().all(|&error| error < 1e-13), "{flux:?}: {found:?}");
+        // Parshikov's weights have none: the test can fail.
+        for scheme in &found[1..] {
+            assert!(scheme.iter().all(|&error| error > 1e-6), "{flux:?}: {found:?}");
+        }
+    }
+}
+
+#[test]
+fn velocity_gradients_are_exact_on_linear_fields() {
+    // The image of U_r = a r, U_z = c z is the field itself; at a distance from the axis any is.
+    let fields = [
+        (0.2, [[0.7, 0.0], [0.0, -1.3]]),
+        (20.0, [[0.7, -0.4], [1.9, -1.3]]),
+    ];
+    for (start, gradient) in fields {
+        let physics = with(|_| ());
+        let mut random = Random::new(19);
+        let mut particles = liquid::block([12, 12], start, 0.35, &mut random);
+        for p in &mut particles {
+            let [r, z] = p.position;
+            p.velocity = gradient.map(|[by_r, by_z]: [f64; 2]| (by_r * r + by_z * z) / SIZE);
+            p.density *= 1.0 + 0.02 * random.next();
+        }
+        let mut block = Block::new(&physics, &particles);
+        block.step();
+        let mut solvable = 0;
+        for (i, sums) in liquid::medium(&physics).sums(&particles).iter().enumerate() {
+            if solved(sums) == [[0.0; 2]; 2] {
+                continue;
+            }
+            solvable += 1;
+            for k in 0..4 {
+                let found = block.column(GRADIENT[k / 2][k % 2])[i] * SIZE;
+                // The inverse magnifies rounding by at most 1/.2; 1e-10 is wide.
+                let error = (found - gradient[k / 2][k % 2]).abs();
+                assert!(error < 1e-10, "particle {i}, component {k}: {error:e}");
+            }
+        }
+        assert!(solvable * 10 > particles.len() * 9, "{solvable} of {}", particles.len());
+    }
+}
+
+#[test]
+fn parshikovs_strain_is_the_moment_matrix_times_the_gradient() {
+    // With equal pressures and impedances U* is the mean: the pair sum is L : grad U exactly, whatever
+    // the packing, so that the strain is exact where L is the identity.
+    let physics = with(|m| (m.scheme, m.flux) = (WEIGHTS[2].0, Flux::FirstOrder));
+    let mut random = Random::new(23);
+    let mut particles = liquid::block([12, 12], 0.3, 0.3, &mut random);
+    let [by_r, by_z] = [0.8 / SIZE, -0.5 / SIZE];
+    for p in &mut particles {
+        p.velocity = [by_r * p.position[0], by_z * p.position[1]];
+    }
+    let mut block = Block::new(&physics, &particles);
+    block.step();
+    let [strain, rr, zz] =
+        ["strain_rate", "moment_rr", "moment_zz"].map(|name| block.column(name));
+    let expected: Vec<f64> =
+        (0..rr.len()).map(|i| by_r * rr[i] + by_z * zz[i] + by_r).collect();
+    agree("strain_rate", "linear field", &strain, &expected);
+}
+
+#[test]
+fn a_constant_pressure_gives_no_force_with_ghosts() {
+    for (scheme, axis) in WEIGHTS {
+        for flux in FLUXES {
+            let physics = with(|m| (m.scheme, m.axis, m.flux) = (scheme, axis, flux));
+            let mut particles = liquid::block([16, 18], 0.5, 0.1, &mut Random::new(29));
+            let pressure = 3e4;
+            for particle in &mut particles {
+                // Density at rest: the pressure is minus the reference, and so is the ghost's.
+                particle.reference_pressure = -pressure;
+            }
+            let mut block = Block::new(&physics, &particles);
+            block.step();
+            let surface = block.surface();
+            let flagged: Vec<usize> = (0..surface.len()).filter(|&i| surface[i] != 0).collect();
+            assert!(flagged.len() > 40 && flagged.len() < surface.len(), "{}", flagged.len());
+            for name in ["force_r", "force_z", "dissipation_r", "dissipation_z"] {
+                let column = block.column(name);
+                for &i in &flagged {
+                    // Against P/D, what a particle open to one side would feel.
+                    let error = column[i].abs() * SIZE / pressure;
+                    assert!(error < 1e-12, "{name} of {i} is {error:e} of P/D");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,44 @@
+//! The same bits for any number of threads.
+
+use meniscus_engine::field::{Role, Values};
+use meniscus_tests::drops;
+
+/// The bits of every State column after some steps, with the columns' names.
+fn bits(threads: usize, settings: &[&str], steps: usize) -> Vec<(&'static str, Vec<u64>)> {
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .expect("a pool");
+    pool.install(|| {
+        let mut simulation = drops::start(&drops::drop(settings));
+        drops::advance(&mut simulation, steps);
+        let columns = simulation.world.store.columns();
+        columns
+            .filter(|(description, _)| description.role == Role::State)
+            .map(|(description, values)| {
+                let bits = match &*values {
+                    Values::F64(values) => values.iter().map(|value| value.to_bits()).collect(),
+                    Values::U32(values) => values.iter().map(|&value| u64::from(value)).collect(),
+                };
+                (description.name, bits)
+            })
+            .collect()
+    })
+}
+
+fn same(settings: &[&str], steps: usize) {
+    let one = bits(1, settings, steps);
+    assert!(one.len() > 10 && one[0].1.len() > 1900);
+    for threads in [2, 8] {
+        let many = bits(threads, settings, steps);
+        for ((name, one), (_, many)) in one.iter().zip(&many) {
+            let different = one.iter().zip(many).filter(|(a, b)| a != b).count();
+            assert_eq!(different, 0, "`{name}` differs for {threads} threads");
+        }
+    }
+}
+
+#[test]
+fn an_oscillating_drop() {
+    same(&["resolution=36", "amplitude=0.5"], 200);
+}

@@ -1,0 +1,172 @@
+//! The command line: its arguments, and what each subcommand calls.
+
+use std::io;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{CommandFactory, Parser, Subcommand};
+use clap_complete::Shell;
+
+use crate::failure::Failure;
+use crate::{inspect, plan, run};
+
+const EXIT_CODES: &str = "\
+Exit codes: 0 done; 1 ran but failed; 2 bad input; 130 interrupted after a clean checkpoint.";
+
+const RUN_EXAMPLES: &str = "\
+Examples:
+  meniscus run cases/oscillating-drop/scene.toml             results in runs/oscillating-drop
+  meniscus run drop.toml --set radius='15 um' --out runs/large
+  meniscus run drop.toml --set method.scheme=parshikov --threads 4
+  meniscus run drop.toml --steps 100 --overwrite
+
+Ctrl-C stops after a checkpoint, SIGUSR1 writes one and goes on.
+Exit codes: 0 done; 1 blew up; 2 bad input; 130 interrupted after a clean checkpoint.";
+
+const RESUME_EXAMPLES: &str = "\
+Examples:
+  meniscus resume runs/oscillating-drop                      to the end that the scene states
+  meniscus resume runs/oscillating-drop --until '10 us'      or further";
+
+const PLAN_EXAMPLES: &str = "\
+Examples:
+  meniscus plan cases/laplace-drop/scene.toml
+  meniscus plan drop.toml --set particle_size='20 nm' --fields";
+
+const COMPLETIONS_EXAMPLES: &str = "\
+Example:
+  meniscus completions bash > ~/.local/share/bash-completion/completions/meniscus";
+
+/// Axisymmetric capillary flow by smoothed particle hydrodynamics
+#[derive(Parser)]
+#[command(name = "meniscus", version, after_help = EXIT_CODES)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Run a scene; results go into a folder
+    #[command(after_help = RUN_EXAMPLES)]
+    Run(RunArguments),
+    /// Continue a run from its newest valid checkpoint
+    #[command(after_help = RESUME_EXAMPLES)]
+    Resume(ResumeArguments),
+    /// Tell what a run would do, and what it would cost, without writing anything
+    #[command(after_help = PLAN_EXAMPLES)]
+    Plan(PlanArguments),
+    /// Look into checkpoints, verify or compare them
+    Inspect(inspect::Arguments),
+    /// Print completions for a shell
+    #[command(after_help = COMPLETIONS_EXAMPLES)]
+    Completions {
+        /// The shell
+        shell: Shell,
+    },
+}
+
+/// Arguments of `run`.
+#[derive(clap::Args)]
+pub(crate) struct RunArguments {
+    /// The scene
+    #[arg(value_name = "SCENE.toml")]
+    pub(crate) scene: PathBuf,
+    /// Folder for the results [default: runs/ and the scene's name]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Replace a value of the scene: a parameter, or a dotted key; may be given several times
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub(crate) set: Vec<String>,
+    /// Replace an earlier run in the folder
+    #[arg(long)]
+    pub(crate) overwrite: bool,
+    #[command(flatten)]
+    pub(crate) extent: Extent,
+}
+
+/// Arguments of `resume`.
+#[derive(clap::Args)]
+pub(crate) struct ResumeArguments {
+    /// Folder of the run
+    #[arg(value_name = "DIR")]
+    pub(crate) folder: PathBuf,
+    #[command(flatten)]
+    pub(crate) extent: Extent,
+}
+
+/// How far a run goes, and on how many threads.
+#[derive(clap::Args)]
+pub(crate) struct Extent {
+    /// Threads [default: one for each core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub(crate) threads: Option<u16>,
+    /// Simulated time at which to stop, with its unit: "3 us"
+    #[arg(long, value_name = "TIME")]
+    until: Option<String>,
+    /// Steps at most, counted from the start of the run
+    #[arg(long, value_name = "N")]
+    steps: Option<u64>,
+    /// Show no progress
+    #[arg(long, short)]
+    pub(crate) quiet: bool,
+}
+
+impl Extent {
+    /// The settings of the scene that say how far it runs.
+    pub(crate) fn settings(&self) -> Vec<String> {
+        let until = self.until.iter().map(|time| format!("run.until={time}"));
+        let steps = self.steps.iter().map(|steps| format!("run.steps={steps}"));
+        until.chain(steps).collect()
+    }
+}
+
+/// Arguments of `plan`.
+#[derive(clap::Args)]
+pub(crate) struct PlanArguments {
+    /// The scene
+    #[arg(value_name = "SCENE.toml")]
+    pub(crate) scene: PathBuf,
+    /// Replace a value of the scene: a parameter, or a dotted key; may be given several times
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub(crate) set: Vec<String>,
+    /// List every field with the stages that read and write it
+    #[arg(long)]
+    pub(crate) fields: bool,
+    /// Threads of the short trial run [default: one for each core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub(crate) threads: Option<u16>,
+}
+
+/// Reads the arguments of the process and does what they ask for.
+pub fn main() -> ExitCode {
+    let done = match Arguments::parse().command {
+        Command::Run(arguments) => run::run(&arguments),
+        Command::Resume(arguments) => run::resume(&arguments),
+        Command::Plan(arguments) => plan::plan(&arguments),
+        Command::Inspect(arguments) => Ok(inspect::run(&arguments)),
+        Command::Completions { shell } => {
+            let mut command = Arguments::command();
+            clap_complete::generate(shell, &mut command, "meniscus", &mut io::stdout());
+            Ok(ExitCode::SUCCESS)
+        }
+    };
+    done.unwrap_or_else(|failure| failure.tell())
+}
+
+/// Threads for the whole work of a command.
+pub(crate) fn pool(threads: Option<u16>) -> Result<rayon::ThreadPool, Failure> {
+    let threads = threads.map_or(0, usize::from);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    pool.map_err(|error| Failure::on_the_way(format!("cannot start the threads: {error}")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_arguments_are_consistent() {
+        Arguments::command().debug_assert();
+    }
+}

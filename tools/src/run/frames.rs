@@ -1,0 +1,205 @@
+//! Frames: particles for ParaView and pictures, at equal distances in time.
+
+use std::fs;
+use std::path::PathBuf;
+
+use meniscus_cases::scene::Scene;
+use meniscus_cases::simulation::Simulation;
+use meniscus_stages::fields;
+use serde::{Deserialize, Serialize};
+
+use super::columns::{Shown, column, pressure, shown, size};
+use crate::output::colour::ColourMap;
+use crate::output::folder::RunFolder;
+use crate::output::picture::{Particles, Picture, Shade, Window, write_picture};
+use crate::output::vtk::{Field, FieldData, write_pvd, write_vtp};
+use crate::output::{OutputError, OutputResult};
+
+/// What is remembered of the frames of a run, in `frames/index.json`.
+#[derive(Debug, Default, Serialize, Deserialize)]
+struct Index {
+    view: Option<View>,
+    frames: Vec<Frame>,
+}
+
+/// One window and one range of colours for all pictures of a run.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+struct View {
+    r: (f64, f64),
+    z: (f64, f64),
+    colours: (f64, f64),
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+struct Frame {
+    step: u64,
+    time: f64,
+    file: String,
+}
+
+/// Writes the frames of a run.
+pub(super) struct Frames {
+    folder: RunFolder,
+    index: Index,
+    /// How many frames were due at the last look.
+    due: u64,
+}
+
+impl Frames {
+    /// The frames of a new run.
+    pub(super) fn new(folder: &RunFolder) -> Self {
+        Frames { folder: folder.clone(), index: Index::default(), due: 0 }
+    }
+
+    /// The frames of an earlier run up to a step and its time; later ones will be made again.
+    pub(super) fn resume(folder: &RunFolder, scene: &Scene, step: u64, time: f64) -> Self {
+        let mut frames = Self::new(folder);
+        // Without the index only the list for ParaView is shorter.
+        let text = fs::read_to_string(frames.index_path());
+        frames.index = text.ok().and_then(|text| serde_json::from_str(&text).ok()).unwrap_or_default();
+        frames.index.frames.retain(|frame| frame.step <= step);
+        frames.due = due(scene, time);
+        frames
+    }
+
+    fn index_path(&self) -> PathBuf {
+        self.folder.frames().join("index.json")
+    }
+
+    /// Writes a frame if one is due: at the start, and at the first step at or past each due time.
+    pub(super) fn look(&mut self, scene: &Scene, simulation: &Simulation) -> OutputResult<()> {
+        let due = due(scene, simulation.world.clock.time);
+        let first = self.index.frames.is_empty() && simulation.world.clock.step == 0;
+        if scene.output.frames == 0 || !(first || due > self.due) {
+            return Ok(());
+        }
+        self.due = due;
+        let clock = &simulation.world.clock;
+        let name = format!("step-{:09}", clock.step);
+        if scene.output.paraview {
+            let file = format!("frames/{name}.vtp");
+            write_particles(&self.folder.file(&file), scene, simulation)?;
+            self.index.frames.push(Frame { step: clock.step, time: clock.time, file });
+            let frames = self.index.frames.iter();
+            let list: Vec<(f64, String)> = frames.map(|f| (f.time, f.file.clone())).collect();
+            write_pvd(&self.folder.particles(), &list)?;
+        }
+        if scene.output.picture {
+            self.draw(&format!("frames/{name}.png"), scene, simulation)?;
+        }
+        self.keep_index()
+    }
+
+    fn keep_index(&self) -> OutputResult<()> {
+        let path = self.index_path();
+        let text = serde_json::to_string_pretty(&self.index)
+            .map_err(|error| OutputError::data(&path, error.to_string()))?;
+        fs::write(&path, text).map_err(OutputError::file("write", &path))
+    }
+
+    fn draw(&mut self, file: &str, scene: &Scene, simulation: &Simulation) -> OutputResult<()> {
+        let name = scene.output.colour_by.as_str();
+        let Some(Shown { unit, values }) = shown(simulation, name) else {
+            return Ok(());
+        };
+        let r = column(simulation, fields::RADIUS.description.name);
+        let z = column(simulation, fields::AXIAL.description.name);
+        let diameter = size(simulation);
+        let particles = Particles { r: &r, z: &z, diameter: &diameter };
+        let view = match self.index.view {
+            Some(view) => view,
+            None => first_view(scene, &particles, &values),
+        };
+        self.index.view = Some(view);
+        let picture = Picture {
+            title: &scene.title,
+            time: simulation.world.clock.time,
+            particles,
+            shade: Shade {
+                name,
+                unit: if unit == "1" { "" } else { unit },
+                values: &values,
+                map: if view.colours.0 == -view.colours.1 { ColourMap::BlueRed } else { ColourMap::Viridis },
+                range: Some(view.colours),
+            },
+            window: Some(Window { r: view.r, z: view.z }),
+        };
+        write_picture(&self.folder.file(file), &picture)
+    }
+}
+
+/// How many of the scene's frames are due at a time.
+fn due(scene: &Scene, time: f64) -> u64 {
+    (time * scene.output.frames as f64 / scene.until).floor() as u64
+}
+
+/// A view with room for what is going to happen: the first picture fixes it for all.
+fn first_view(scene: &Scene, particles: &Particles, values: &[f64]) -> View {
+    let window = Window::around(particles).unwrap_or(Window { r: (0.0, 1.0), z: (0.0, 1.0) });
+    let margin = 0.1 * (window.r.1 - window.r.0).max(window.z.1 - window.z.0);
+    View {
+        r: ((window.r.0 - margin).max(0.0), window.r.1 + margin),
+        z: (window.z.0 - margin, window.z.1 + margin),
+        colours: colours(scene, values),
+    }
+}
+
+fn colours(scene: &Scene, values: &[f64]) -> (f64, f64) {
+    let mut sorted: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let at = |fraction: f64| {
+        let place = fraction * sorted.len().saturating_sub(1) as f64;
+        sorted.get(place as usize).copied().unwrap_or(0.0)
+    };
+    // A few strays at the surface must not take all colours.
+    let (low, high) = (at(0.02), at(0.98));
+    let (motion, waves) = (scene.fastest_initial_speed(), scene.capillary_velocity());
+    match scene.output.colour_by.as_str() {
+        "velocity_r" | "velocity_z" => {
+            let most = motion.max(0.02 * waves).max(high.abs()).max(low.abs());
+            (-most, most)
+        }
+        "speed" => (0.0, motion.max(0.02 * waves).max(high)),
+        "pressure" => {
+            // What the motion adds: rho U (U + 2 c), and never less than 3 % of what is there.
+            let added = scene.liquid.density * motion * (motion + 2.0 * waves);
+            let margin = added.max(0.03 * high.abs());
+            (low - margin, high + margin)
+        }
+        _ if high > low => (low, high),
+        _ => (low - 0.1 * low.abs() - 1e-300, high + 0.1 * high.abs() + 1e-300),
+    }
+}
+
+fn write_particles(path: &std::path::Path, scene: &Scene, simulation: &Simulation) -> OutputResult<()> {
+    let of = |name: &str| column(simulation, name);
+    let r = of(fields::RADIUS.description.name);
+    let z = of(fields::AXIAL.description.name);
+    let velocity = (of(fields::VELOCITY_R.description.name), of(fields::VELOCITY_Z.description.name));
+    let (pressure, size) = (pressure(simulation), size(simulation));
+    let (density, mass) = (of(fields::DENSITY.description.name), of(fields::MASS.description.name));
+    let index = |name: &str| {
+        let column = simulation.world.store.by_name::<u32>(name);
+        column.map_or_else(Vec::new, |column| column.to_vec())
+    };
+    let identity = index(fields::IDENTITY.description.name);
+    let surface = index(fields::SURFACE.description.name);
+    let field = |name, unit, data| Field { name, unit, data };
+    let mut fields = vec![
+        field("velocity", "m/s", FieldData::Vector(&velocity.0, &velocity.1)),
+        field("pressure", "Pa", FieldData::Scalar(&pressure)),
+        field("density", "kg/m3", FieldData::Scalar(&density)),
+        field("size", "m", FieldData::Scalar(&size)),
+        field("mass", "kg", FieldData::Scalar(&mass)),
+        field("identity", "", FieldData::Index(&identity)),
+        field("surface", "", FieldData::Index(&surface)),
+    ];
+    let asked = scene.output.colour_by.as_str();
+    let coloured = shown(simulation, asked);
+    if let Some(Shown { unit, values }) = &coloured
+        && !fields.iter().any(|field| field.name == asked)
+    {
+        fields.push(field(asked, unit, FieldData::Scalar(values)));
+    }
+    write_vtp(path, (&r, &z), &fields)
+}

@@ -1,0 +1,85 @@
+//! Plots of what was measured, against what is exact.
+
+use meniscus_cases::measure::exact::Drop;
+use meniscus_cases::measure::{History, numbered, oscillation_fit};
+use meniscus_cases::scene::{Measure, Scene};
+
+use crate::failure::Failure;
+use crate::output::folder::RunFolder;
+use crate::output::plot::{Curve, Plot, Style, plot};
+
+/// Points at most of a measured curve that is shown as points.
+const POINTS: usize = 120;
+
+/// Draws one plot a measure, unless there is nothing to see yet.
+pub(super) fn draw(scene: &Scene, folder: &RunFolder, history: &History) -> Result<(), Failure> {
+    let times = history.of("time");
+    if times.len() < 3 {
+        return Ok(());
+    }
+    let mut seen = Vec::new();
+    for measure in &scene.measures {
+        let kind = std::mem::discriminant(measure);
+        let index = seen.iter().filter(|other| **other == kind).count();
+        seen.push(kind);
+        let (name, curves, label) = match *measure {
+            Measure::Oscillation { mode, radius, .. } => {
+                let column = numbered("mode amplitude", index);
+                let exact = Drop::of(&scene.liquid, radius).angular_frequency(mode);
+                let curves = oscillation(history, &column, exact);
+                ("oscillation", curves, format!("amplitude of mode {mode}"))
+            }
+            Measure::LaplacePressure { radius, .. } => {
+                let exact = Drop::of(&scene.liquid, radius).laplace_pressure();
+                let ends = vec![times[0], times[times.len() - 1]];
+                let values = history.of(&numbered("core pressure", index));
+                let curves = vec![
+                    curve("measured", times.clone(), values, Style::Line),
+                    curve("2 sigma/R", ends, vec![exact; 2], Style::Dashed),
+                ];
+                ("laplace-pressure", curves, "pressure [Pa]".to_owned())
+            }
+            Measure::SpuriousVelocity { .. } => {
+                let values = history.of(&numbered("spurious velocity", index));
+                let curves = vec![curve("measured; exact is 0", times.clone(), values, Style::Line)];
+                let label = "rms velocity over the capillary velocity".to_owned();
+                ("spurious-velocity", curves, label)
+            }
+        };
+        let path = folder.file(&format!("{}.png", numbered(name, index)));
+        let picture = Plot {
+            title: scene.title.clone(),
+            x_label: "time [s]".to_owned(),
+            y_label: label,
+            log_x: false,
+            log_y: false,
+            curves,
+        };
+        if picture.curves.iter().any(|curve| curve.y.iter().any(|y| y.is_finite())) {
+            plot(&path, &picture)?;
+        }
+    }
+    Ok(())
+}
+
+fn curve(label: &str, x: Vec<f64>, y: Vec<f64>, style: Style) -> Curve {
+    Curve { label: label.to_owned(), x, y, style }
+}
+
+/// The measured amplitude on the exact oscillation of the same start: undamped, at Rayleigh's frequency.
+fn oscillation(history: &History, column: &str, exact: f64) -> Vec<Curve> {
+    let (times, values) = (history.of("time"), history.of(column));
+    let mut curves = Vec::new();
+    if let Some(mut undamped) = oscillation_fit(history, column, exact) {
+        undamped.angular_frequency = exact;
+        undamped.damping = 0.0;
+        let (first, last) = (times[0], times[times.len() - 1]);
+        let x: Vec<f64> = (0..=600).map(|k| first + (last - first) * f64::from(k) / 600.0).collect();
+        let y = x.iter().map(|time| undamped.at(*time)).collect();
+        curves.push(curve("exact: Rayleigh's frequency, no damping", x, y, Style::Dashed));
+    }
+    let every = times.len().div_ceil(POINTS);
+    let thinned = |values: Vec<f64>| values.into_iter().step_by(every).collect();
+    curves.push(curve("measured", thinned(times), thinned(values), Style::Points));
+    curves
+}

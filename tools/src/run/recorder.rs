@@ -1,0 +1,151 @@
+//! Everything that a run writes on its way.
+
+use std::path::Path;
+
+use meniscus_cases::measure::{History, Observer, Quantity};
+use meniscus_cases::scene::Scene;
+use meniscus_cases::simulation::Simulation;
+use meniscus_engine::checkpoint;
+
+use super::frames::Frames;
+use super::stopwatch::Stopwatch;
+use crate::failure::Failure;
+use crate::output::folder::RunFolder;
+use crate::output::series::{self, SeriesWriter};
+
+/// Writes series, frames and checkpoints as a run goes on.
+pub(super) struct Recorder<'a> {
+    scene: &'a Scene,
+    folder: &'a RunFolder,
+    observer: Observer,
+    series: Option<SeriesWriter>,
+    frames: Frames,
+    /// The observations so far.
+    pub(super) history: History,
+    /// What all this has cost.
+    pub(super) cost: Stopwatch,
+}
+
+/// Checkpoints that are kept.
+const KEPT: usize = 3;
+/// Steps between two observations where the scene wants no series: its measures still need them.
+const OBSERVED: u64 = 10;
+
+impl<'a> Recorder<'a> {
+    /// A recorder of a new run.
+    pub(super) fn start(
+        scene: &'a Scene,
+        folder: &'a RunFolder,
+        simulation: &Simulation,
+    ) -> Result<Self, Failure> {
+        let observer = Observer::new(scene, simulation);
+        let quantities = observer.quantities();
+        let columns: Vec<(&str, &str)> =
+            quantities.iter().map(|quantity| (quantity.name.as_str(), quantity.unit)).collect();
+        let wanted = scene.output.series_every > 0;
+        let series = wanted.then(|| SeriesWriter::create(&folder.series(), &columns));
+        Ok(Recorder {
+            scene,
+            folder,
+            observer,
+            series: series.transpose()?,
+            frames: Frames::new(folder),
+            history: History::new(quantities),
+            cost: Stopwatch::default(),
+        })
+    }
+
+    /// A recorder that goes on with an earlier run's files, cut to the present step.
+    pub(super) fn resume(
+        scene: &'a Scene,
+        folder: &'a RunFolder,
+        simulation: &Simulation,
+    ) -> Result<Self, Failure> {
+        let (path, clock) = (folder.series(), &simulation.world.clock);
+        let mut history = History::new(Observer::new(scene, simulation).quantities());
+        let goes_on = scene.output.series_every > 0 && path.exists();
+        if goes_on {
+            read_history(&path, clock.step, &mut history)?;
+        }
+        let open = || SeriesWriter::open_for_resume(&path, clock.step);
+        let continued = goes_on.then(open).transpose()?;
+        let mut recorder = match continued {
+            None => Self::start(scene, folder, simulation)?,
+            series => Recorder {
+                scene,
+                folder,
+                observer: Observer::new(scene, simulation),
+                series,
+                frames: Frames::new(folder),
+                history,
+                cost: Stopwatch::default(),
+            },
+        };
+        recorder.frames = Frames::resume(folder, scene, clock.step, clock.time);
+        Ok(recorder)
+    }
+
+    /// Writes what is due at the present step: the start or the end of one.
+    pub(super) fn record(&mut self, simulation: &Simulation) -> Result<(), Failure> {
+        let mut cost = self.cost;
+        let done = cost.time(|| self.write_due(simulation));
+        self.cost = cost;
+        done
+    }
+
+    fn write_due(&mut self, simulation: &Simulation) -> Result<(), Failure> {
+        let step = simulation.world.clock.step;
+        let every = match self.scene.output.series_every {
+            0 => OBSERVED,
+            every => every,
+        };
+        if step.is_multiple_of(every) {
+            let row = self.observer.observe(simulation);
+            if let Some(series) = &mut self.series {
+                series.append(step, &row)?;
+            }
+            self.history.push(row);
+        }
+        self.frames.look(self.scene, simulation)?;
+        let every = self.scene.output.checkpoint_every;
+        if every > 0 && step > 0 && step.is_multiple_of(every) {
+            self.checkpoint(simulation)?;
+        }
+        Ok(())
+    }
+
+    /// Writes a checkpoint, and removes the oldest ones.
+    pub(super) fn checkpoint(&self, simulation: &Simulation) -> Result<(), Failure> {
+        let folder = self.folder.checkpoints();
+        let name = checkpoint::file_name(simulation.world.clock.step);
+        checkpoint::write(&folder.join(name), &simulation.checkpoint(self.scene))?;
+        checkpoint::keep_last(&folder, KEPT)?;
+        Ok(())
+    }
+
+    /// Writes the state in which a run broke down, under a name that no resumed run takes up.
+    pub(super) fn crash_checkpoint(&self, simulation: &Simulation) -> Result<String, Failure> {
+        let name = checkpoint::file_name(simulation.world.clock.step);
+        let path = self.folder.checkpoints().join(format!("crash-{name}"));
+        checkpoint::write(&path, &simulation.checkpoint(self.scene))?;
+        Ok(path.display().to_string())
+    }
+}
+
+fn read_history(path: &Path, last_step: u64, history: &mut History) -> Result<(), Failure> {
+    let series = series::read(path).map_err(|error| Failure::input(error.to_string()))?;
+    let same = |(column, quantity): (&series::Column, &Quantity)| column.name == quantity.name;
+    let quantities = history.quantities();
+    let matches = series.columns.len() == quantities.len() && series.columns.iter().zip(quantities).all(same);
+    if !matches {
+        return Err(Failure::input(format!(
+            "`{}` has other columns than this run; remove it to go on without the earlier rows",
+            path.display()
+        )));
+    }
+    let rows = series.rows.into_iter();
+    for row in rows.filter(|row| row.step <= last_step) {
+        history.push(row.values);
+    }
+    Ok(())
+}

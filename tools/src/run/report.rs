@@ -1,0 +1,92 @@
+//! What stands at the end of a run: its summary, its plots, and the table for people.
+
+use std::io;
+
+use meniscus_cases::measure::{Outcome, conservation, evaluate};
+use meniscus_cases::scene::Scene;
+use meniscus_cases::simulation::Simulation;
+
+use super::Costs;
+use super::plots;
+use super::recorder::Recorder;
+use super::stopwatch::processor_time;
+use crate::failure::Failure;
+use crate::output::folder::RunFolder;
+use crate::output::summary::{Conservation, Measure, StageCost, Status, Summary, print_table};
+
+/// How the run ended, and why it failed if it did.
+pub(super) struct Ending {
+    pub(super) status: Status,
+    pub(super) failure: Option<String>,
+}
+
+/// Writes the summary and the plots, and prints the summary as a table.
+pub(super) fn report(
+    scene: &Scene,
+    folder: &RunFolder,
+    simulation: &Simulation,
+    (recorder, costs): (&Recorder, &Costs),
+    ending: Ending,
+) -> Result<(), Failure> {
+    let history = &recorder.history;
+    let outcomes = evaluate(scene, history);
+    for doubt in outcomes.iter().filter_map(|outcome| outcome.doubt.as_ref()) {
+        eprintln!("{doubt}");
+    }
+    plots::draw(scene, folder, history)?;
+    let [momentum_z, energy, mass] = conservation(scene, history);
+    let clock = &simulation.world.clock;
+    let particles = simulation.world.store.len() as u64;
+    let particle_steps = (particles * (clock.step - costs.first_step)).max(1) as f64;
+    let wall_seconds = costs.started.elapsed().as_secs_f64();
+    let summary = Summary {
+        scene: scene.title.clone(),
+        status: Some(ending.status),
+        failure: ending.failure,
+        particles,
+        steps: clock.step,
+        time: clock.time,
+        wall_seconds,
+        cpu_seconds: processor_time().as_secs_f64(),
+        threads: rayon::current_num_threads(),
+        ns_per_particle_step: costs.steps.wall * 1e9 / particle_steps,
+        core_ns_per_particle_step: costs.steps.cpu * 1e9 / particle_steps,
+        stages: stages(simulation, recorder, costs, wall_seconds),
+        measures: outcomes.iter().map(measure).collect(),
+        conservation: Conservation { momentum_z, energy, mass },
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+    };
+    summary.write(&folder.summary())?;
+    // A closed pipe is no failure of the run.
+    let _ = print_table(&summary, &mut io::stdout().lock());
+    Ok(())
+}
+
+fn measure(outcome: &Outcome) -> Measure {
+    Measure {
+        name: outcome.name.clone(),
+        value: outcome.value,
+        unit: if outcome.unit == "1" { "" } else { outcome.unit }.to_owned(),
+        reference: outcome.reference,
+        relative_error: outcome.relative_error(),
+    }
+}
+
+/// The stages of a step, and what came before and between the steps.
+fn stages(simulation: &Simulation, recorder: &Recorder, costs: &Costs, wall_seconds: f64) -> Vec<StageCost> {
+    let stage = |name: &str, calls: u64, seconds: f64| StageCost {
+        name: name.to_owned(),
+        calls,
+        seconds,
+        share: seconds / wall_seconds,
+    };
+    let steps = simulation.costs().iter();
+    let mut stages: Vec<StageCost> =
+        steps.map(|cost| stage(cost.stage, cost.calls, cost.time.as_secs_f64())).collect();
+    if costs.settling.wall > 0.0 {
+        stages.push(stage("packing and settling", 1, costs.settling.wall));
+    }
+    let taken = simulation.world.clock.step - costs.first_step;
+    stages.push(stage("outputs", taken, recorder.cost.wall));
+    stages
+}

@@ -1,0 +1,195 @@
+//! The command as users call it: exit codes, what is written and what is not, resumed runs.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// A drop of a few hundred particles that moves for some hundred steps.
+const DROP: &str = r#"format = 1
+title = "A coarse drop"
+[parameters]
+radius = "1 um"
+[liquid]
+density = "1000 kg/m3"
+surface_tension = "0.074 N/m"
+[[body]]
+shape = { sphere = { radius = "radius" } }
+velocity = { r = "-0.1 m/s * r/radius", z = "0.2 m/s * z/radius" }
+[particles]
+size = "90 nm"
+settle = 0.1
+[run]
+until = "60 ns"
+[output]
+frames = 3
+checkpoint_every = 60
+[[measure]]
+oscillation = { mode = 2, radius = "radius" }
+[[measure]]
+laplace-pressure = { radius = "radius" }
+"#;
+
+struct Place {
+    folder: tempfile::TempDir,
+}
+
+impl Place {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("drop.toml"), DROP).unwrap();
+        Place { folder }
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn meniscus(&self, arguments: &[&str]) -> Output {
+        Command::new(env!("CARGO_BIN_EXE_meniscus"))
+            .args(arguments)
+            .current_dir(self.folder.path())
+            .output()
+            .unwrap()
+    }
+
+    /// Runs, and checks the exit code.
+    fn expect(&self, code: i32, arguments: &[&str]) -> String {
+        let output = self.meniscus(arguments);
+        let said = said(&output);
+        assert_eq!(output.status.code(), Some(code), "{arguments:?}\n{said}");
+        said
+    }
+}
+
+fn said(output: &Output) -> String {
+    let [out, error] = [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text));
+    format!("{out}{error}")
+}
+
+fn newest(run: &Path) -> PathBuf {
+    let files = fs::read_dir(run.join("checkpoints")).unwrap();
+    let mut files: Vec<PathBuf> = files.map(|file| file.unwrap().path()).collect();
+    files.sort();
+    files.pop().unwrap()
+}
+
+#[test]
+fn a_bad_scene_is_refused_before_anything_is_written() {
+    let place = Place::new();
+    for set in ["radius=-1 um", "method.scheme=none", "output.colour_by=mood", "nothing=1"] {
+        let said = place.expect(2, &["run", "drop.toml", "--set", set]);
+        assert!(!said.is_empty());
+        assert!(!place.path("runs").exists(), "{set}");
+    }
+    place.expect(2, &["run", "missing.toml"]);
+    place.expect(2, &["run", "drop.toml", "--until", "3 kg"]);
+    place.expect(2, &["plan", "missing.toml"]);
+    place.expect(2, &["run"]);
+    assert!(!place.path("runs").exists());
+}
+
+#[test]
+fn a_run_leaves_all_its_results_and_is_not_overwritten() {
+    let place = Place::new();
+    let said = place.expect(0, &["run", "drop.toml"]);
+    assert!(said.contains("sound speed") && said.contains("laplace-pressure"), "{said}");
+    let run = place.path("runs/drop");
+    for file in [
+        "scene.toml",
+        "summary.json",
+        "series.csv",
+        "particles.pvd",
+        "laplace-pressure.png",
+        "frames/step-000000000.png",
+        "frames/step-000000000.vtp",
+    ] {
+        assert!(run.join(file).is_file(), "{file}");
+    }
+    let frames = fs::read_to_string(run.join("particles.pvd")).unwrap();
+    assert_eq!(frames.matches("<DataSet").count(), 4, "{frames}");
+    let summary = fs::read_to_string(run.join("summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    assert_eq!(summary["status"], "done");
+    // Less than a period has no frequency.
+    assert_eq!(summary["measures"][0]["name"], "frequency");
+    assert_eq!(summary["measures"][0]["value"], serde_json::Value::Null);
+    let pressure = summary["measures"][3]["relative_error"].as_f64().unwrap();
+    assert!(pressure.abs() < 0.1, "{pressure}");
+    assert!(fs::read_dir(run.join("checkpoints")).unwrap().count() <= 3);
+    let refusal = place.expect(2, &["run", "drop.toml"]);
+    assert!(refusal.contains("--overwrite"), "{refusal}");
+    place.expect(0, &["run", "drop.toml", "--steps", "5", "--overwrite"]);
+    place.expect(0, &["inspect", "verify", "runs/drop"]);
+}
+
+#[test]
+fn a_resumed_run_ends_as_an_uninterrupted_one() {
+    let place = Place::new();
+    place.expect(0, &["run", "drop.toml", "--out", "whole", "--threads", "1"]);
+    place.expect(0, &["run", "drop.toml", "--out", "cut", "--threads", "2", "--steps", "83"]);
+    // The scene of the checkpoint says 83 steps; more are asked for than will be needed.
+    place.expect(0, &["resume", "cut", "--steps", "100000"]);
+    let (whole, cut) = (newest(&place.path("whole")), newest(&place.path("cut")));
+    assert_eq!(whole.file_name(), cut.file_name());
+    let paths = [whole, cut].map(|path| path.display().to_string());
+    place.expect(0, &["inspect", "diff", &paths[0], &paths[1]]);
+    let series = |run: &str| fs::read(place.path(run).join("series.csv")).unwrap();
+    assert!(series("whole") == series("cut"));
+    let frames = |run: &str| fs::read(place.path(run).join("particles.pvd")).unwrap();
+    assert!(frames("whole") == frames("cut"));
+    place.expect(2, &["resume", "nowhere"]);
+}
+
+#[test]
+fn a_blow_up_is_told_with_its_last_state() {
+    let place = Place::new();
+    // A speed of two hundred times the sound speed.
+    let set = ["--set", "liquid.sound_speed=1 m/s", "--set", "body.0.velocity.z=200 m/s * z/radius"];
+    let arguments = [&["run", "drop.toml", "--out", "broken"][..], &set].concat();
+    let output = place.meniscus(&arguments);
+    let said = said(&output);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("in stage"), "{said}");
+    let checkpoints = fs::read_dir(place.path("broken/checkpoints")).unwrap();
+    let mut names = checkpoints.map(|file| file.unwrap().file_name().into_string().unwrap());
+    assert!(names.any(|name| name.starts_with("crash-step-")));
+    let summary = fs::read_to_string(place.path("broken/summary.json")).unwrap();
+    assert!(summary.contains(r#""status": "failed""#), "{summary}");
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_run_stops_after_a_checkpoint() {
+    let place = Place::new();
+    let child = Command::new(env!("CARGO_BIN_EXE_meniscus"))
+        .args(["run", "drop.toml", "--out", "run", "--until", "1 s", "--quiet"])
+        .current_dir(place.folder.path())
+        .spawn();
+    let mut child = child.unwrap();
+    let series = place.path("run/series.csv");
+    let rows = || fs::read_to_string(&series).map_or(0, |text| text.lines().count());
+    while rows() < 3 && child.try_wait().unwrap().is_none() {
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    let kill = |signal: &str| {
+        let identity = child.id().to_string();
+        Command::new("kill").args([signal, &identity]).status().unwrap()
+    };
+    kill("-INT");
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    let summary = fs::read_to_string(place.path("run/summary.json")).unwrap();
+    assert!(summary.contains(r#""status": "interrupted""#), "{summary}");
+    let newest = newest(&place.path("run")).display().to_string();
+    place.expect(0, &["inspect", "verify", &newest]);
+}
+
+#[test]
+fn plans_and_completions_write_nothing() {
+    let place = Place::new();
+    let plan = place.expect(0, &["plan", "drop.toml", "--fields"]);
+    for part in ["left out", "shifting", "time step", "particles of 90.0 nm", "read by integrate"] {
+        assert!(plan.contains(part), "{part} is not in\n{plan}");
+    }
+    assert!(place.expect(0, &["completions", "bash"]).contains("_meniscus"));
+    assert_eq!(fs::read_dir(place.folder.path()).unwrap().count(), 1);
+}
