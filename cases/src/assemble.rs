@@ -11,22 +11,55 @@ use meniscus_stages::contact::{Contact, ContactProblem, FirstOrder, Limited, Rec
 use meniscus_stages::correction::MomentumCorrection;
 use meniscus_stages::curvature_colour::{ColourCurvature, CurvatureColour};
 use meniscus_stages::curvature_normals::CurvatureNormals;
-use meniscus_stages::equation_of_state::{Linear, Packing, State};
+use meniscus_stages::central_force::CentralForce;
+use meniscus_stages::equation_of_state::{Packing, State};
 use meniscus_stages::geometry::{Geometry, HarmonicMean, NearAxisParshikov, Parshikov};
 use meniscus_stages::ghost_coupling::GhostCoupling;
 use meniscus_stages::initial_pressure::InitialPressure;
 use meniscus_stages::integrate::{self, Courant, Integrate};
 use meniscus_stages::kernel_correction::KernelCorrection;
+use meniscus_stages::liquids::{EquationOfState, IdealGas, Linear, MieGrueneisen};
 use meniscus_stages::record::{DeformationRecord, FlowRecord, FlowState};
 use meniscus_stages::reference_pressure;
 use meniscus_stages::shifting::{Shifting, Strength};
 use meniscus_stages::sort_bin::SortBin;
 use meniscus_stages::surface_corrections::{StrainCorrection, TangentialPressure};
 use meniscus_stages::terms::{
-    Crowding, DensityRate, GhostWeight, MomentMatrix, PressureRiemann, VelocitySum,
+    Crowding, DensityRate, EnergyRate, GhostWeight, MomentMatrix, PressureRiemann, VelocitySum,
 };
 use meniscus_stages::velocity_gradient::VelocityGradient;
 use std::sync::{Arc, Mutex};
+
+/// The equations of state to choose from.
+#[derive(Clone, Copy, Debug)]
+pub enum Equation {
+    /// Weakly compressible liquid.
+    Linear(Linear),
+    /// Liquid under shocks.
+    MieGrueneisen(MieGrueneisen),
+    /// Gas.
+    IdealGas(IdealGas),
+}
+
+impl Equation {
+    /// Pressure in Pa at a density in kg/m3 and a specific internal energy in J/kg.
+    pub fn pressure(&self, density: f64, energy: f64) -> f64 {
+        match self {
+            Equation::Linear(equation) => equation.pressure(density, energy),
+            Equation::MieGrueneisen(equation) => equation.pressure(density, energy),
+            Equation::IdealGas(equation) => equation.pressure(density, energy),
+        }
+    }
+
+    /// Whether the energy equation is needed.
+    pub fn with_energy(&self) -> bool {
+        match self {
+            Equation::Linear(_) => Linear::WITH_ENERGY,
+            Equation::MieGrueneisen(_) => MieGrueneisen::WITH_ENERGY,
+            Equation::IdealGas(_) => IdealGas::WITH_ENERGY,
+        }
+    }
+}
 
 /// What the pipeline models, in SI units.
 #[derive(Clone, Debug)]
@@ -34,7 +67,13 @@ pub struct Physics {
     /// Numerical choices.
     pub method: Method,
     /// Equation of state.
-    pub equation: Linear,
+    pub equation: Equation,
+    /// Speed of sound at rest in m/s.
+    pub sound_speed: f64,
+    /// Density at rest in kg/m3.
+    pub reference_density: f64,
+    /// B^2 of a central force in 1/s2; zero for none.
+    pub central_force: f64,
     /// Surface tension in N/m.
     pub surface_tension: f64,
     /// Axis and period.
@@ -108,6 +147,26 @@ impl Builder<'_> {
         self.physics.surface_tension > 0.0
     }
 
+    /// A reference pressure belongs to a drop under surface tension: elsewhere none builds up.
+    fn with_reference(&self) -> bool {
+        let asked = self.physics.method.reference_pressure == ReferencePressure::Component;
+        asked && self.with_tension()
+    }
+
+    fn with_energy(&self) -> bool {
+        self.physics.equation.with_energy()
+    }
+
+    /// Shifting must know the surface, too.
+    fn with_surface(&self) -> bool {
+        self.with_tension() || self.physics.method.shifting > 0.0
+    }
+
+    /// The moment matrix and the velocity sums serve the reconstruction and the strain's correction.
+    fn with_sums(&self) -> bool {
+        self.reconstructs() || self.corrects_strain()
+    }
+
     fn reconstructs(&self) -> bool {
         self.physics.method.flux == Flux::Reconstructed
     }
@@ -117,12 +176,20 @@ impl Builder<'_> {
     }
 
     fn corrects_strain(&self) -> bool {
-        self.physics.method.strain_correction
+        self.with_tension() && self.physics.method.strain_correction
     }
 
     fn state(&mut self) -> Box<dyn Stage> {
+        match self.physics.equation {
+            Equation::Linear(equation) => self.state_of(equation),
+            Equation::MieGrueneisen(equation) => self.state_of(equation),
+            Equation::IdealGas(equation) => self.state_of(equation),
+        }
+    }
+
+    fn state_of<E: EquationOfState>(&mut self, equation: E) -> Box<dyn Stage> {
         let two_rows = self.two_rows();
-        Box::new(State::new(&mut self.wiring, self.physics.equation, self.packing, two_rows))
+        Box::new(State::new(&mut self.wiring, equation, self.packing, two_rows))
     }
 
     fn sort(&mut self) -> Box<dyn Stage> {
@@ -144,28 +211,39 @@ impl Builder<'_> {
         stages.push(self.state());
         self.plan("flux", true, (&self.describe_flux(), ""));
         stages.push(self.flux());
-        self.plan("boundary-detect", true, ("the liquid has a free surface", ""));
-        stages.push(self.boundary());
+        let reasons = ("surface tension or shifting must know the surface", "nothing acts at the surface");
+        if self.plan("boundary-detect", self.with_surface(), reasons) {
+            stages.push(self.boundary());
+        }
         let reasons = ("surface tension is above zero", "there is no surface tension");
         if self.plan("curvature", self.with_tension(), reasons) {
             stages.push(self.curvature());
         }
-        self.plan("ghost-coupling", true, ("the outside pressure acts at the free surface", ""));
-        let with_tension = self.with_tension();
-        stages.push(Box::new(GhostCoupling::new(&mut self.wiring, 0.0, with_tension)));
-        let tangential = self.with_slope();
+        let reasons = ("ghosts bring the Laplace pressure to the surface", "there is no surface tension");
+        if self.plan("ghost-coupling", self.with_tension(), reasons) {
+            let with_energy = self.with_energy();
+            stages.push(Box::new(GhostCoupling::new(&mut self.wiring, 0.0, true, with_energy)));
+        }
         let reasons = ("ghosts carry no gradient along the surface", "not asked for, or no colour field");
-        if self.plan("tangential-pressure", tangential, reasons) {
+        if self.plan("tangential-pressure", self.with_slope(), reasons) {
             stages.push(Box::new(TangentialPressure::new(&mut self.wiring)));
         }
-        let reasons = ("the pair sum of the strain is short at the surface", "not asked for");
+        let reasons = ("the pair sum of the strain is short at the surface", "not asked for, or no tension");
         if self.plan("strain-correction", self.corrects_strain(), reasons) {
             stages.push(Box::new(StrainCorrection::new(&mut self.wiring)));
         }
-        self.plan("correction", true, ("surface forces join; they must not move the whole", ""));
-        stages.push(Box::new(MomentumCorrection::new(&mut self.wiring, method.momentum_correction)));
-        let reference = method.reference_pressure == ReferencePressure::Component;
+        let reasons = ("surface forces join; they must not move the whole", "there is no surface tension");
+        if self.plan("correction", self.with_tension(), reasons) {
+            let conserve = method.momentum_correction;
+            stages.push(Box::new(MomentumCorrection::new(&mut self.wiring, conserve)));
+        }
+        let (stiffness, origin) = (self.physics.central_force, self.physics.domain.origin);
+        let reasons = ("the scene has a central force", "the scene has none");
+        if self.plan("central-force", stiffness > 0.0, reasons) {
+            stages.push(Box::new(CentralForce::new(&mut self.wiring, stiffness, origin)));
+        }
         let reasons = ("a constant pressure must not act on the packing's disorder", "not asked for");
+        let reference = self.with_reference();
         if self.plan("reference-pressure", reference, reasons) {
             let stage = reference_pressure::ReferencePressure::new(&mut self.wiring, self.packing);
             stages.push(Box::new(stage));
@@ -188,25 +266,32 @@ impl Builder<'_> {
                 theta: method.theta,
                 origin: self.physics.domain.origin,
             };
-            stages.push(Box::new(Shifting::new(&mut self.wiring, strength, true)));
+            stages.push(Box::new(Shifting::new(&mut self.wiring, strength)));
         }
         stages
     }
 
     /// The stages that run once before the first step: gradients to predict from, and the pressure.
     fn start(&mut self) -> Stages {
-        let mut stages = vec![self.sort(), self.state(), self.flux(), self.boundary()];
+        let mut stages = vec![self.sort(), self.state(), self.flux()];
         if self.with_tension() {
+            stages.push(self.boundary());
             stages.push(self.curvature());
-            let with_reference = self.physics.method.reference_pressure == ReferencePressure::Component;
-            let (equation, packing) = (self.physics.equation, self.packing);
-            let stage = InitialPressure::new(&mut self.wiring, equation, packing, with_reference);
-            stages.push(Box::new(stage));
+            stages.push(match self.physics.equation {
+                Equation::Linear(equation) => self.initial_pressure(equation),
+                Equation::MieGrueneisen(equation) => self.initial_pressure(equation),
+                Equation::IdealGas(equation) => self.initial_pressure(equation),
+            });
         }
         if self.reconstructs() {
             stages.push(Box::new(VelocityGradient::new(&mut self.wiring)));
         }
         stages
+    }
+
+    fn initial_pressure<E: EquationOfState>(&mut self, equation: E) -> Box<dyn Stage> {
+        let with_reference = self.with_reference();
+        Box::new(InitialPressure::new(&mut self.wiring, equation, self.packing, with_reference))
     }
 
     fn boundary(&mut self) -> Box<dyn Stage> {
@@ -254,11 +339,12 @@ impl Builder<'_> {
         };
         let courant = Courant {
             number: self.physics.method.cfl,
-            sound_speed: self.physics.equation.sound_speed,
+            speed: self.physics.sound_speed.max(self.physics.shifting_speed),
             particle_size: self.physics.particle_size,
             origin: self.physics.domain.origin,
         };
-        Box::new(Integrate::new(&mut self.wiring, scheme, courant))
+        let with_energy = self.with_energy();
+        Box::new(Integrate::new(&mut self.wiring, scheme, courant, with_energy))
     }
 
     fn describe_flux(&self) -> String {
@@ -287,7 +373,7 @@ impl Builder<'_> {
     fn flux_with<G: Geometry + 'static>(&mut self, geometry: G) -> Box<dyn Stage> {
         if self.reconstructs() {
             // beta = min(1, 300 |J_r|/C) (method.md, section 10, "Coalescence, later").
-            let sharpness = 300.0 / self.physics.equation.sound_speed;
+            let sharpness = 300.0 / self.physics.sound_speed.max(self.physics.shifting_speed);
             self.terms::<DeformationRecord, _, _>(geometry, Limited { sharpness })
         } else if self.two_rows() {
             self.terms::<DeformationRecord, _, _>(geometry, FirstOrder)
@@ -302,21 +388,25 @@ impl Builder<'_> {
         G: Geometry + 'static,
         F: Reconstruction<R> + 'static,
     {
-        let wiring = &mut self.wiring;
-        wiring.stage("flux");
-        let flow = (DensityRate::new(wiring, geometry), PressureRiemann::new(wiring, geometry));
-        let edge = (MomentMatrix::new(wiring), GhostWeight::new(wiring, geometry));
-        let theta = self.physics.method.theta;
-        let with_sum = self.reconstructs() || self.corrects_strain();
+        self.wiring.stage("flux");
         let problem = ContactProblem { geometry, reconstruction };
-        let wiring = &mut self.wiring;
-        match (with_sum, self.physics.method.shifting > 0.0) {
-            (false, false) => pass::<R, _, _, _>(problem, (flow, edge)),
-            (true, false) => pass::<R, _, _, _>(problem, (flow, edge, VelocitySum::new(wiring))),
-            (false, true) => pass::<R, _, _, _>(problem, (flow, edge, Crowding::new(wiring, theta))),
-            (true, true) => {
-                let terms = (flow, edge, VelocitySum::new(wiring), Crowding::new(wiring, theta));
-                pass::<R, _, _, _>(problem, terms)
+        let flow =
+            (DensityRate::new(&mut self.wiring, geometry), PressureRiemann::new(&mut self.wiring, geometry));
+        let moment = (self.with_surface() || self.with_sums() || self.physics.method.kernel_correction)
+            .then(|| MomentMatrix::new(&mut self.wiring));
+        let weight = self.with_surface().then(|| GhostWeight::new(&mut self.wiring, geometry));
+        let sum = self.with_sums().then(|| VelocitySum::new(&mut self.wiring));
+        let theta = self.physics.method.theta;
+        let crowding =
+            (self.physics.method.shifting > 0.0).then(|| Crowding::new(&mut self.wiring, theta));
+        let energy = self.with_energy().then(|| EnergyRate::new(&mut self.wiring, geometry));
+        // The sums of most scenes are fused without a question; the rest are options.
+        match (moment, weight, sum) {
+            (Some(moment), Some(weight), Some(sum)) => {
+                pass::<R, _, _, _>(problem, (flow, (moment, weight, sum), (crowding, energy)))
+            }
+            (moment, weight, sum) => {
+                pass::<R, _, _, _>(problem, (flow, (moment, weight, sum), (crowding, energy)))
             }
         }
     }

@@ -2,17 +2,17 @@
 
 mod restart;
 
-use crate::assemble::{Assembly, Physics, PlanLine, assemble};
+use crate::assemble::{Assembly, Equation, Physics, PlanLine, assemble};
 use crate::packing::{PackingError, PackingOptions, pack};
 use crate::region::Region;
-use crate::scene::{Flux, Scene};
+use crate::scene::{EquationOfState, Flux, Scene};
 use meniscus_engine::clock::Clock;
 use meniscus_engine::field::{Role, Values};
 use meniscus_engine::neighbours::Domain;
 use meniscus_engine::pipeline::{Cost, Fault, Pipeline, World};
 use meniscus_engine::store::Store;
 use meniscus_engine::wiring::WiringError;
-use meniscus_stages::equation_of_state::Linear;
+use meniscus_stages::liquids::Linear;
 use meniscus_stages::fields;
 use std::f64::consts::PI;
 
@@ -59,10 +59,17 @@ impl Physics {
     /// What a scene models.
     pub fn of(scene: &Scene) -> Physics {
         let sound_speed = scene.derived_sound_speed();
+        let reference_density = scene.liquid.density;
+        let equation = match scene.liquid.equation_of_state {
+            EquationOfState::Linear => Equation::Linear(Linear { sound_speed, reference_density }),
+        };
         let bottom = scene.bodies.iter().map(|b| b.shape.bounds()[2]).fold(f64::INFINITY, f64::min);
         Physics {
             method: scene.method.clone(),
-            equation: Linear { sound_speed, reference_density: scene.liquid.density },
+            equation,
+            sound_speed,
+            reference_density,
+            central_force: 0.0,
             surface_tension: scene.liquid.surface_tension,
             domain: Domain {
                 origin: scene.domain.origin,
@@ -179,6 +186,14 @@ impl Simulation {
     /// The first quantity that went bad.
     pub fn step(&mut self) -> Result<(), Fault> {
         self.pipeline.step(&mut self.world)
+    }
+
+    /// Runs one stage of the step alone, for benchmarks; false if the scene has no stage of that name.
+    ///
+    /// # Errors
+    /// The stage's fault.
+    pub fn run_stage(&mut self, name: &str) -> Result<bool, Fault> {
+        self.pipeline.run_stage(name, &mut self.world)
     }
 
     /// What each stage has cost so far.

@@ -81,8 +81,44 @@ pub trait PairTerm<R: Record, P>: Send + Sync {
     /// Turns the sums into the `OUTPUTS` results.
     fn finish(&self, a: &R, sum: Self::Sum, results: &mut [Lanes]);
 
-    /// The columns to which the results go.
-    fn outputs(&self, columns: &mut ArrayVec<Write<f64>, MOST_OUTPUTS>);
+    /// The columns to which the results go, as many as `OUTPUTS`; a result without a column is dropped.
+    fn outputs(&self, columns: &mut Columns);
+}
+
+/// Where the results of a pass go.
+pub type Columns = ArrayVec<Option<Write<f64>>, MOST_OUTPUTS>;
+
+/// A term that only some scenes have. The test for it in the loop costs next to nothing, where another
+/// fused pass for every combination would cost minutes of building.
+impl<R: Record, P, T: PairTerm<R, P>> PairTerm<R, P> for Option<T> {
+    type Sum = Option<T::Sum>;
+    const OUTPUTS: usize = T::OUTPUTS;
+
+    #[inline(always)]
+    fn zero(&self) -> Self::Sum {
+        self.as_ref().map(T::zero)
+    }
+
+    #[inline(always)]
+    fn add(&self, a: &R, b: &R, pair: &P, sum: &mut Self::Sum) {
+        if let (Some(term), Some(sum)) = (self, sum) {
+            term.add(a, b, pair, sum);
+        }
+    }
+
+    #[inline(always)]
+    fn finish(&self, a: &R, sum: Self::Sum, results: &mut [Lanes]) {
+        if let (Some(term), Some(sum)) = (self, sum) {
+            term.finish(a, sum, results);
+        }
+    }
+
+    fn outputs(&self, columns: &mut Columns) {
+        match self {
+            Some(term) => term.outputs(columns),
+            None => columns.extend(std::iter::repeat_n(None, T::OUTPUTS)),
+        }
+    }
 }
 
 macro_rules! fused_terms {
@@ -116,7 +152,7 @@ macro_rules! fused_terms {
                 )+
             }
 
-            fn outputs(&self, columns: &mut ArrayVec<Write<f64>, MOST_OUTPUTS>) {
+            fn outputs(&self, columns: &mut Columns) {
                 let ($($term,)+) = self;
                 $($term.outputs(columns);)+
             }
@@ -149,14 +185,15 @@ impl<R: Record, I: Interaction<R>, T: PairTerm<R, I::Pair>> PairPass<R, I, T> {
         &self,
         list: &NeighbourList,
         rows: &RowTable,
-        outputs: ArrayVec<&mut [f64], MOST_OUTPUTS>,
+        outputs: ArrayVec<Option<&mut [f64]>, MOST_OUTPUTS>,
     ) {
         parallel::for_chunks(list.len(), outputs, |start, mut outputs| {
-            let len = outputs.first().map_or(0, |column| column.len());
+            let len = outputs.iter().flatten().map(|column| column.len()).next().unwrap_or(0);
             let mut results = [Lanes::ZERO; MOST_OUTPUTS];
             for offset in (0..len).step_by(WIDTH) {
                 self.block(list, rows, start + offset, &mut results);
                 for (column, result) in outputs.iter_mut().zip(&results) {
+                    let Some(column) = column else { continue };
                     result.store(&mut column[offset..len.min(offset + WIDTH)]);
                 }
             }
@@ -213,11 +250,11 @@ where
     }
 
     fn run(&mut self, world: &mut World) -> Result<(), Fault> {
-        let mut handles = ArrayVec::new();
+        let mut handles = Columns::new();
         self.terms.outputs(&mut handles);
-        let mut columns: ArrayVec<AtomicRefMut<[f64]>, MOST_OUTPUTS> =
-            handles.into_iter().map(|handle| world.store.write(handle)).collect();
-        let outputs = columns.iter_mut().map(|column| &mut **column).collect();
+        let mut columns: ArrayVec<Option<AtomicRefMut<[f64]>>, MOST_OUTPUTS> =
+            handles.into_iter().map(|handle| handle.map(|handle| world.store.write(handle))).collect();
+        let outputs = columns.iter_mut().map(|column| column.as_deref_mut()).collect();
         self.traverse(&world.neighbours, &world.rows, outputs);
         Ok(())
     }

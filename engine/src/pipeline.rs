@@ -112,6 +112,17 @@ impl Pipeline {
         Ok(())
     }
 
+    /// Runs one stage of the step alone, for benchmarks and tests; false if there is none of that name.
+    ///
+    /// # Errors
+    /// The stage's fault.
+    pub fn run_stage(&mut self, name: &str, world: &mut World) -> Result<bool, Fault> {
+        match self.stages.iter_mut().find(|stage| stage.name() == name) {
+            Some(stage) => stage.run(world).map(|()| true),
+            None => Ok(false),
+        }
+    }
+
     /// One time step.
     ///
     /// # Errors

@@ -1,6 +1,7 @@
-//! Equation of state: pressure and sound speed from the density, and the packed rows for the pair pass.
+//! Equation of state: pressure and sound speed of every particle, and the packed rows for the pair pass.
 
 use crate::fields;
+use crate::liquids::EquationOfState;
 use crate::record::{Deformation, Flow, image_of_deformation, image_of_flow};
 use meniscus_engine::neighbours::Domain;
 use meniscus_engine::parallel;
@@ -8,32 +9,6 @@ use meniscus_engine::pipeline::{Fault, Stage, World};
 use meniscus_engine::store::{Read, Write};
 use meniscus_engine::wiring::Wiring;
 use std::f64::consts::PI;
-
-/// Pressure as a function of density.
-pub trait EquationOfState: Copy + Send + Sync + 'static {
-    /// Pressure in Pa at a density in kg/m3.
-    fn pressure(&self, density: f64) -> f64;
-    /// Speed of sound in m/s at a density in kg/m3.
-    fn sound_speed(&self, density: f64) -> f64;
-}
-
-/// P = C_0^2 (rho - rho_0) (method.md, section 5).
-#[derive(Clone, Copy, Debug)]
-pub struct Linear {
-    /// C_0 in m/s.
-    pub sound_speed: f64,
-    /// rho_0 in kg/m3.
-    pub reference_density: f64,
-}
-
-impl EquationOfState for Linear {
-    fn pressure(&self, density: f64) -> f64 {
-        self.sound_speed * self.sound_speed * (density - self.reference_density)
-    }
-    fn sound_speed(&self, _: f64) -> f64 {
-        self.sound_speed
-    }
-}
 
 /// How particles become rows.
 #[derive(Clone, Copy, Debug)]
@@ -61,6 +36,7 @@ pub struct State<E> {
     velocity: [Read<f64>; 2],
     density: Read<f64>,
     mass: Read<f64>,
+    energy: Option<Read<f64>>,
     reference_pressure: Read<f64>,
     second: Option<SecondRow>,
     size: Write<f64>,
@@ -79,6 +55,7 @@ impl<E: EquationOfState> State<E> {
             velocity: [wiring.read(&fields::VELOCITY_R), wiring.read(&fields::VELOCITY_Z)],
             density: wiring.read(&fields::DENSITY),
             mass: wiring.read(&fields::MASS),
+            energy: E::WITH_ENERGY.then(|| wiring.read(&fields::TOTAL_ENERGY)),
             reference_pressure: wiring.read(&fields::REFERENCE_PRESSURE),
             second: second.then(|| SecondRow::new(wiring)),
             size: wiring.write(&fields::SIZE),
@@ -93,12 +70,15 @@ impl<E: EquationOfState> State<E> {
         let r = store.read(self.position[0]);
         let (density, mass) = (store.read(self.density), store.read(self.mass));
         let reference = store.read(self.reference_pressure);
+        let energy = self.energy.map(|field| store.read(field));
+        let [u, w] = self.velocity.map(|field| store.read(field));
         let (mut size, mut pressure) = (store.write(self.size), store.write(self.pressure));
         let mut sound_speed = store.write(self.sound_speed);
         let origin = self.packing.domain.origin;
         let inputs = (&r[..], &density[..], &mass[..], &reference[..]);
         let outputs = (&mut size[..], &mut pressure[..], &mut sound_speed[..]);
-        parallel::for_chunks(r.len(), (inputs, outputs), |_, (inputs, outputs)| {
+        let (energy, u, w) = (energy.as_deref(), &u[..], &w[..]);
+        parallel::for_chunks(r.len(), (inputs, outputs), |start, (inputs, outputs)| {
             let (r, density, mass, reference) = inputs;
             let (size, pressure, sound_speed) = outputs;
             let len = r.len();
@@ -106,9 +86,13 @@ impl<E: EquationOfState> State<E> {
             let (size, pressure, sound_speed) =
                 (&mut size[..len], &mut pressure[..len], &mut sound_speed[..len]);
             for i in 0..len {
+                let internal = energy.map_or(0.0, |energy| {
+                    let (u, w) = (u[start + i], w[start + i]);
+                    energy[start + i] - 0.5 * (u * u + w * w)
+                });
                 size[i] = (mass[i] / (2.0 * PI * (r[i] + origin) * density[i])).sqrt();
-                pressure[i] = self.equation.pressure(density[i]) - reference[i];
-                sound_speed[i] = self.equation.sound_speed(density[i]);
+                pressure[i] = self.equation.pressure(density[i], internal) - reference[i];
+                sound_speed[i] = self.equation.sound_speed(density[i], internal);
             }
         });
     }

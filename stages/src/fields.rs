@@ -21,6 +21,9 @@ pub static VELOCITY_Z: Real = Field::state("velocity_z", "U_z", "m/s", "Axial ve
 pub static DENSITY: Real = Field::state("density", "rho", "kg/m3", "Density.");
 /// Mass of the torus that a particle is.
 pub static MASS: Real = Field::state("mass", "m", "kg", "Mass of the particle's torus.");
+/// Total specific energy, kinetic and internal.
+pub static TOTAL_ENERGY: Real =
+    Field::state("total_energy", "E", "J/kg", "Specific kinetic and internal energy.");
 /// Constant that is subtracted from pressures.
 pub static REFERENCE_PRESSURE: Real = Field::state(
     "reference_pressure",
@@ -147,6 +150,9 @@ pub static DISSIPATION_Z: Real = Field::derived(
     "N/m3",
     "Density times acceleration by the velocity jumps of the Riemann states, axial component.",
 );
+/// Density times the rate of the total specific energy.
+pub static POWER: Real =
+    Field::derived("power", "rho dE/dt", "W/m3", "Density times the rate of the total specific energy.");
 /// Force density that acts through the free surface, radial.
 pub static SURFACE_FORCE_R: Real = Field::derived(
     "surface_force_r",

@@ -17,7 +17,8 @@ struct Tension {
 }
 
 /// The stage: d eps += 2 (U* - U_a . e)|bw| and the surface force -2 P* bw, with e = bw/|bw|,
-/// U_g = U_a and P_g = P_external + P_L (equations (24), (25); method.md, section 8).
+/// U_g = U_a and P_g = P_external + P_L and with the
+/// energy equation rho dE += -2 P* U*|bw| (equations (24) to (26); method.md, section 8).
 pub struct GhostCoupling {
     external_pressure: f64,
     tension: Option<Tension>,
@@ -29,11 +30,18 @@ pub struct GhostCoupling {
     sound_speed: Read<f64>,
     strain_rate: Add<f64>,
     force: [Write<f64>; 2],
+    work: Option<Work>,
+}
+
+/// The energy equation's part of the coupling.
+struct Work {
+    velocity: [Read<f64>; 2],
+    power: Add<f64>,
 }
 
 impl GhostCoupling {
     /// Ghosts hold the external pressure in Pa, and the Laplace pressure where there is surface tension.
-    pub fn new(wiring: &mut Wiring, external_pressure: f64, with_tension: bool) -> Self {
+    pub fn new(wiring: &mut Wiring, external_pressure: f64, with_tension: bool, with_energy: bool) -> Self {
         wiring.stage("ghost-coupling");
         let force = [&fields::SURFACE_FORCE_R, &fields::SURFACE_FORCE_Z];
         GhostCoupling {
@@ -50,6 +58,10 @@ impl GhostCoupling {
             sound_speed: wiring.read(&fields::SOUND_SPEED),
             strain_rate: wiring.add(&fields::STRAIN_RATE),
             force: force.map(|field| wiring.write(field)),
+            work: with_energy.then(|| Work {
+                velocity: [wiring.read(&fields::VELOCITY_R), wiring.read(&fields::VELOCITY_Z)],
+                power: wiring.add(&fields::POWER),
+            }),
         }
     }
 }
@@ -73,8 +85,12 @@ impl Stage for GhostCoupling {
         let mut strain_rate = store.write(self.strain_rate);
         let [mut force_r, mut force_z] = self.force.map(|field| store.write(field));
 
-        let columns = (&mut strain_rate[..], &mut force_r[..], &mut force_z[..]);
-        parallel::for_chunks(surface.len(), columns, |start, (strain_rate, force_r, force_z)| {
+        let velocity = self.work.as_ref().map(|work| work.velocity.map(|field| store.read(field)));
+        let velocity = velocity.as_ref().map(|[u, w]| (&u[..], &w[..]));
+        let mut power = self.work.as_ref().map(|work| store.write(work.power));
+
+        let columns = (&mut strain_rate[..], &mut force_r[..], &mut force_z[..], power.as_deref_mut());
+        parallel::for_chunks(surface.len(), columns, |start, (strain_rate, force_r, force_z, mut power)| {
             for k in 0..strain_rate.len() {
                 let i = start + k;
                 if surface[i] == INSIDE {
@@ -88,7 +104,12 @@ impl Stage for GhostCoupling {
                 let both = impedance + ghost_impedance;
                 let star = (ghost_pressure * impedance + pressure[i] * ghost_impedance) / both;
                 let rise = (pressure[i] - ghost_pressure) / both;
-                strain_rate[k] += 2.0 * rise * weight_r[i].hypot(weight_z[i]);
+                let length = (weight_r[i] * weight_r[i] + weight_z[i] * weight_z[i]).sqrt();
+                strain_rate[k] += 2.0 * rise * length;
+                if let (Some(power), Some((u, w))) = (&mut power, velocity) {
+                    // U* |bw| = U_a . bw + rise |bw|.
+                    power[k] -= 2.0 * star * (u[i] * weight_r[i] + w[i] * weight_z[i] + rise * length);
+                }
                 force_r[k] = -2.0 * star * weight_r[i];
                 force_z[k] = -2.0 * star * weight_z[i];
             }

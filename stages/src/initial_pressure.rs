@@ -1,8 +1,9 @@
 //! The pressure at the start: every drop begins at the mean Laplace pressure of its surface.
 
 use crate::components::components;
-use crate::equation_of_state::{EquationOfState, Packing};
+use crate::equation_of_state::Packing;
 use crate::fields;
+use crate::liquids::EquationOfState;
 use crate::surface::BOUNDARY;
 use meniscus_engine::pipeline::{Fault, Stage, World};
 use meniscus_engine::store::{Read, Update, Write};
@@ -66,8 +67,9 @@ impl<E: EquationOfState> Stage for InitialPressure<E> {
             let [upper, lower] = sums[root as usize];
             let pressure = if lower > 0.0 { upper / lower } else { 0.0 };
             // The linear relation about the present density; exact for the linear equation of state.
-            let sound_speed = self.equation.sound_speed(density[i]);
-            density[i] += (pressure - self.equation.pressure(density[i])) / (sound_speed * sound_speed);
+            let sound_speed = self.equation.sound_speed(density[i], 0.0);
+            let excess = pressure - self.equation.pressure(density[i], 0.0);
+            density[i] += excess / (sound_speed * sound_speed);
             reference[i] = if self.with_reference { pressure } else { 0.0 };
         }
         Ok(())

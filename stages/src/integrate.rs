@@ -25,8 +25,8 @@ pub enum Scheme {
 pub struct Courant {
     /// Courant number.
     pub number: f64,
-    /// Sound speed at rest, m/s.
-    pub sound_speed: f64,
+    /// Sound speed at rest or the fastest flow, whichever is larger, m/s.
+    pub speed: f64,
     /// Particle size at the start, m.
     pub particle_size: f64,
     /// Distance of the scene's origin from the axis, m.
@@ -44,13 +44,14 @@ pub struct Integrate {
     force: [Read<f64>; 2],
     dissipation: [Read<f64>; 2],
     strain_rate: Read<f64>,
+    energy: Option<(Update<f64>, Read<f64>)>,
     size: Read<f64>,
     sound_speed: Read<f64>,
 }
 
 impl Integrate {
     /// Moves the particles by one step.
-    pub fn new(wiring: &mut Wiring, scheme: Scheme, courant: Courant) -> Self {
+    pub fn new(wiring: &mut Wiring, scheme: Scheme, courant: Courant, with_energy: bool) -> Self {
         wiring.stage("integrate");
         let previous = [&fields::PREVIOUS_ACCELERATION_R, &fields::PREVIOUS_ACCELERATION_Z];
         let two_step = scheme == Scheme::AdamsBashforth;
@@ -64,6 +65,7 @@ impl Integrate {
             force: [wiring.read(&fields::FORCE_R), wiring.read(&fields::FORCE_Z)],
             dissipation: [wiring.read(&fields::DISSIPATION_R), wiring.read(&fields::DISSIPATION_Z)],
             strain_rate: wiring.read(&fields::STRAIN_RATE),
+            energy: with_energy.then(|| (wiring.update(&fields::TOTAL_ENERGY), wiring.read(&fields::POWER))),
             size: wiring.read(&fields::SIZE),
             sound_speed: wiring.read(&fields::SOUND_SPEED),
         }
@@ -85,7 +87,7 @@ impl Integrate {
         let acoustic = self.acoustic_bound(world);
         world.clock.limit("acoustic", acoustic);
         let step_size = world.clock.bound().map_or(acoustic, |bound| bound.step_size);
-        let at_rest = self.courant.number * self.courant.particle_size / self.courant.sound_speed;
+        let at_rest = self.courant.number * self.courant.particle_size / self.courant.speed;
         if step_size > VANISHING * at_rest {
             return Ok(step_size);
         }
@@ -100,6 +102,19 @@ impl Integrate {
         let [r, z] = self.position.map(|field| world.store.write(field)[i]);
         let particle = world.store.read(self.identity)[i];
         Fault { stage: "integrate", particle, quantity, value, r, z, step: world.clock.step }
+    }
+
+    /// E += dt dE/dt, an Euler step like the density's.
+    fn advance_energy(&self, world: &World, dt: f64) {
+        let Some((energy, power)) = self.energy else { return };
+        let (power, density) = (world.store.read(power), world.store.write(self.density));
+        let mut energy = world.store.write(energy);
+        let columns = (&power[..], &density[..], &mut energy[..]);
+        parallel::for_chunks(power.len(), columns, |_, (power, density, energy)| {
+            for ((energy, power), density) in energy.iter_mut().zip(power).zip(density) {
+                *energy += dt * power / density;
+            }
+        });
     }
 
     /// Moves all particles; the first one that went bad, if any.
@@ -225,6 +240,7 @@ impl Stage for Integrate {
 
     fn run(&mut self, world: &mut World) -> Result<(), Fault> {
         let dt = self.choose_step(world)?;
+        self.advance_energy(world, dt);
         match self.advance(world, dt) {
             Some((i, quantity, value)) => Err(self.fault(world, i, quantity, value)),
             None => Ok(()),

@@ -1,6 +1,7 @@
 //! The physics of Meniscus: every stage and every pair term in a small file of its own.
 
 pub mod boundary_detect;
+pub mod central_force;
 pub mod colour_field;
 pub mod components;
 pub mod contact;
@@ -14,6 +15,7 @@ pub mod ghost_coupling;
 pub mod initial_pressure;
 pub mod integrate;
 pub mod kernel_correction;
+pub mod liquids;
 pub mod moment;
 pub mod record;
 pub mod reference_pressure;

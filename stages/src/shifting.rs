@@ -29,27 +29,21 @@ pub struct Shifting {
     strength: Strength,
     size: Read<f64>,
     crowding: [Read<f64>; 2],
-    outward: Option<Outward>,
+    surface: Read<u32>,
+    weight: [Read<f64>; 2],
     position: [Update<f64>; 2],
 }
 
-struct Outward {
-    surface: Read<u32>,
-    weight: [Read<f64>; 2],
-}
-
 impl Shifting {
-    /// Shifts after the step; `with_surface` where the scene has a free surface.
-    pub fn new(wiring: &mut Wiring, strength: Strength, with_surface: bool) -> Self {
+    /// Shifts after the step.
+    pub fn new(wiring: &mut Wiring, strength: Strength) -> Self {
         wiring.stage("shifting");
         Shifting {
             strength,
             size: wiring.read(&fields::SIZE),
             crowding: [wiring.read(&fields::CROWDING_R), wiring.read(&fields::CROWDING_Z)],
-            outward: with_surface.then(|| Outward {
-                surface: wiring.read(&fields::SURFACE),
-                weight: [wiring.read(&fields::GHOST_WEIGHT_R), wiring.read(&fields::GHOST_WEIGHT_Z)],
-            }),
+            surface: wiring.read(&fields::SURFACE),
+            weight: [wiring.read(&fields::GHOST_WEIGHT_R), wiring.read(&fields::GHOST_WEIGHT_Z)],
             position: [wiring.update(&fields::RADIUS), wiring.update(&fields::AXIAL)],
         }
     }
@@ -79,21 +73,17 @@ impl Stage for Shifting {
         let store = &world.store;
         let size = store.read(self.size);
         let [crowding_r, crowding_z] = self.crowding.map(|field| store.read(field));
-        let outward = self.outward.as_ref().map(|o| {
-            let [r, z] = o.weight.map(|field| store.read(field));
-            (store.read(o.surface), r, z)
-        });
-        let outward = outward.as_ref().map(|(surface, r, z)| (&surface[..], &r[..], &z[..]));
+        let surface = store.read(self.surface);
+        let [weight_r, weight_z] = self.weight.map(|field| store.read(field));
+        let (surface, weight_r, weight_z) = (&surface[..], &weight_r[..], &weight_z[..]);
         let [mut r, mut z] = self.position.map(|field| store.write(field));
         let Strength { coefficient, speed, theta, origin } = self.strength;
         let factor = coefficient * speed * bound.step_size * 4.0 * theta;
         parallel::for_chunks(size.len(), (&mut r[..], &mut z[..]), |start, (r, z)| {
             for k in 0..r.len() {
                 let i = start + k;
-                let mut shift = [-factor * size[i] * crowding_r[i], -factor * size[i] * crowding_z[i]];
-                if let Some((surface, weight_r, weight_z)) = outward {
-                    shift = along_surface(shift, [weight_r[i], weight_z[i]], surface[i]);
-                }
+                let shift = [-factor * size[i] * crowding_r[i], -factor * size[i] * crowding_z[i]];
+                let shift = along_surface(shift, [weight_r[i], weight_z[i]], surface[i]);
                 let length = shift[0].hypot(shift[1]);
                 let keep = if length > CAP * size[i] { CAP * size[i] / length } else { 1.0 };
                 // A shift must not carry a particle across the axis.

@@ -90,8 +90,6 @@ pub struct Totals {
     pub momentum_scale: f64,
     /// Sum of m U^2/2.
     pub kinetic: f64,
-    /// Sum of m times the integral of P/rho^2 from the rest density on.
-    pub elastic: f64,
     /// Sum of m (z^2 - r^2/2) about the centre of mass.
     pub quadrupole: f64,
     /// Centre of mass on the axis.
@@ -100,26 +98,14 @@ pub struct Totals {
 
 /// The totals at the present time.
 pub fn totals(simulation: &Simulation) -> Totals {
-    let [r, z, u, w, rho, m] =
-        ["radius", "axial", "velocity_r", "velocity_z", "density", "mass"]
-            .map(|name| column(simulation, name));
-    let equation = &simulation.physics.equation;
-    let square = equation.sound_speed * equation.sound_speed;
+    let [r, z, u, w, m] =
+        ["radius", "axial", "velocity_r", "velocity_z", "mass"].map(|name| column(simulation, name));
     let mut totals = Totals::default();
     for i in 0..m.len() {
         totals.mass += m[i];
         totals.momentum += m[i] * w[i];
         totals.momentum_scale += (m[i] * w[i]).abs();
         totals.kinetic += 0.5 * m[i] * (u[i] * u[i] + w[i] * w[i]);
-        let x = rho[i] / equation.reference_density;
-        // ln x + 1/x - 1 cancels near x = 1: its series there.
-        let excess = x - 1.0;
-        let shape = if excess.abs() < 1e-3 {
-            excess * excess * (0.5 - excess * (2.0 / 3.0 - 0.75 * excess))
-        } else {
-            x.ln() + 1.0 / x - 1.0
-        };
-        totals.elastic += m[i] * square * shape;
         totals.centre += m[i] * z[i];
     }
     totals.centre /= totals.mass;
@@ -127,6 +113,22 @@ pub fn totals(simulation: &Simulation) -> Totals {
         totals.quadrupole += m[i] * ((z[i] - totals.centre).powi(2) - 0.5 * r[i] * r[i]);
     }
     totals
+}
+
+/// Sum of m times the integral of P/rho^2 from the rest density on, for P = C^2 (rho - rho_0); in J.
+pub fn elastic_energy(simulation: &Simulation, sound_speed: f64, rest_density: f64) -> f64 {
+    let [density, mass] = ["density", "mass"].map(|name| column(simulation, name));
+    let shape = |density: f64| {
+        // ln x + 1/x - 1 cancels near x = 1: its series there.
+        let excess = density / rest_density - 1.0;
+        if excess.abs() < 1e-3 {
+            excess * excess * (0.5 - excess * (2.0 / 3.0 - 0.75 * excess))
+        } else {
+            excess.ln_1p() - excess / (1.0 + excess)
+        }
+    };
+    let energy = |(mass, density): (&f64, &f64)| mass * sound_speed * sound_speed * shape(*density);
+    mass.iter().zip(&density).map(energy).sum()
 }
 
 /// Root of the mass-weighted mean square of the speed, m/s.

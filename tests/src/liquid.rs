@@ -1,12 +1,11 @@
 //! A disordered block of liquid with a free surface, and one step of an assembled pipeline over it.
 
+use crate::drops::scene;
 use crate::reference::{Medium, Particle, Weights};
 use meniscus_cases::assemble::{Assembly, Physics, assemble};
 use meniscus_cases::scene::{AxisTreatment, Flux, Method, ReferencePressure, Scheme};
 use meniscus_engine::clock::Clock;
-use meniscus_engine::neighbours::Domain;
 use meniscus_engine::pipeline::{Pipeline, World};
-use meniscus_stages::equation_of_state::Linear;
 use std::f64::consts::PI;
 
 /// Particle size of the block in m.
@@ -27,7 +26,7 @@ impl Random {
     }
 
     /// The next number.
-    pub fn next(&mut self) -> f64 {
+    pub fn draw(&mut self) -> f64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
         self.0 ^= self.0 << 17;
@@ -48,30 +47,33 @@ pub fn bare_method() -> Method {
     }
 }
 
+/// A liquid with the block's constants; its body is not used.
+const SCENE: &str = r#"format = 1
+title = "A liquid"
+[liquid]
+density = "1000 kg/m3"
+surface_tension = "0 N/m"
+sound_speed = "100 m/s"
+equation_of_state = "linear"
+[[body]]
+shape = { sphere = { radius = "10 um", centre = "0 m" } }
+[particles]
+size = "1 um"
+[run]
+until = "1 us"
+"#;
+
 /// The block's physics with the given method, without surface tension.
 pub fn physics(method: Method) -> Physics {
-    Physics {
-        method,
-        equation: Linear {
-            sound_speed: SOUND_SPEED,
-            reference_density: DENSITY,
-        },
-        surface_tension: 0.0,
-        domain: Domain {
-            origin: 0.0,
-            period: None,
-        },
-        particle_size: SIZE,
-        shifting_speed: 1.0,
-    }
+    Physics { method, shifting_speed: 1.0, ..Physics::of(&scene(SCENE, &[])) }
 }
 
 /// What the physics means for the reference equations.
 pub fn medium(physics: &Physics) -> Medium {
     let method = &physics.method;
     Medium {
-        sound_speed: physics.equation.sound_speed,
-        rest_density: physics.equation.reference_density,
+        sound_speed: SOUND_SPEED,
+        rest_density: DENSITY,
         theta: method.theta,
         largest_size: 2.0 * physics.particle_size,
         origin: physics.domain.origin,
@@ -91,8 +93,8 @@ pub fn block([rows, columns]: [usize; 2], start: f64, disorder: f64, random: &mu
     let mut particles = Vec::new();
     for row in 0..rows {
         for column in 0..columns {
-            let r = start + row as f64 + disorder * random.next();
-            let z = 0.5 + column as f64 + disorder * random.next();
+            let r = start + row as f64 + disorder * random.draw();
+            let z = 0.5 + column as f64 + disorder * random.draw();
             let radius = SIZE * r.abs().max(0.02);
             particles.push(Particle {
                 position: [radius, SIZE * z],
@@ -109,11 +111,10 @@ pub fn block([rows, columns]: [usize; 2], start: f64, disorder: f64, random: &mu
 /// Gives particles velocities, densities, masses and gradients at random.
 pub fn stir(particles: &mut [Particle], random: &mut Random) {
     for particle in particles {
-        particle.velocity = [random.next(), random.next()];
-        particle.density *= 1.0 + 0.01 * random.next();
-        particle.mass *= 1.0 + 0.3 * random.next();
-        particle.gradient =
-            [(); 2].map(|()| [(); 2].map(|()| random.next() / SIZE));
+        particle.velocity = [random.draw(), random.draw()];
+        particle.density *= 1.0 + 0.01 * random.draw();
+        particle.mass *= 1.0 + 0.3 * random.draw();
+        particle.gradient = [(); 2].map(|()| [(); 2].map(|()| random.draw() / SIZE));
     }
 }
 
@@ -124,44 +125,56 @@ pub struct Block {
     pipeline: Pipeline,
 }
 
-/// The names of the velocity gradient's columns.
-pub const GRADIENT: [[&str; 2]; 2] = [["gradient_rr", "gradient_rz"], ["gradient_zr", "gradient_zz"]];
+/// The columns of the rate of deformation: dU_r/dr, dU_r/dz + dU_z/dr, dU_z/dz.
+pub const DEFORMATION: [&str; 3] = ["deformation_rr", "deformation_shear", "deformation_zz"];
 
 impl Block {
-    /// Assembles the pipeline and sets the columns; those that it does not have are left out.
+    /// Assembles the pipeline and sets the columns; those of corrections may be lacking.
     ///
     /// # Panics
-    /// If the pipeline cannot be assembled.
+    /// If the pipeline cannot be assembled or lacks a column that it must have.
     pub fn new(physics: &Physics, particles: &[Particle]) -> Self {
-        let Assembly {
-            wiring, pipeline, ..
-        } = assemble(physics).expect("a pipeline");
+        let Assembly { wiring, pipeline, .. } = assemble(physics).expect("a pipeline");
         let mut store = wiring.allocate(particles.len());
         let identity: Vec<u32> = (0..particles.len() as u32).collect();
         store.set("identity", &identity);
         let mut set = |name: &str, value: &dyn Fn(&Particle) -> f64| {
-            store.set(name, &particles.iter().map(value).collect::<Vec<f64>>());
+            store.set(name, &particles.iter().map(value).collect::<Vec<f64>>())
         };
-        set("radius", &|p| p.position[0]);
-        set("axial", &|p| p.position[1]);
-        set("velocity_r", &|p| p.velocity[0]);
-        set("velocity_z", &|p| p.velocity[1]);
-        set("density", &|p| p.density);
-        set("mass", &|p| p.mass);
-        set("reference_pressure", &|p| p.reference_pressure);
+        let needed = [
+            set("radius", &|p| p.position[0]),
+            set("axial", &|p| p.position[1]),
+            set("velocity_r", &|p| p.velocity[0]),
+            set("velocity_z", &|p| p.velocity[1]),
+            set("density", &|p| p.density),
+            set("mass", &|p| p.mass),
+            set("reference_pressure", &|p| p.reference_pressure),
+        ];
+        assert_eq!(needed, [true; 7], "a column is missing");
         set("kernel_scale", &|p| p.kernel_scale);
-        for i in 0..2 {
-            for j in 0..2 {
-                set(GRADIENT[i][j], &|p| p.gradient[i][j]);
-            }
-        }
-        Block {
-            world: World::new(store, Clock::default()),
-            pipeline,
+        // The velocity's rise along a pair needs the symmetric part of the gradient alone.
+        let deformation = [
+            set(DEFORMATION[0], &|p| p.gradient[0][0]),
+            set(DEFORMATION[1], &|p| p.gradient[0][1] + p.gradient[1][0]),
+            set(DEFORMATION[2], &|p| p.gradient[1][1]),
+        ];
+        let reconstructs = physics.method.flux == Flux::Reconstructed;
+        assert!(!reconstructs || deformation == [true; 3], "a column is missing");
+        Block { world: World::new(store, Clock::default()), pipeline }
+    }
+
+    /// The stages that run once before the first step.
+    ///
+    /// # Panics
+    /// If one fails.
+    pub fn begin(&mut self) {
+        if let Err(fault) = self.pipeline.begin(&mut self.world) {
+            panic!("{fault}");
         }
     }
 
-    /// One step without the start stages, which would change what the test has set.
+    /// One step; without [`Block::begin`] the start stages are left out, which would
+    /// change what the test has set.
     ///
     /// # Panics
     /// If the step fails.

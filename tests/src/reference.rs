@@ -118,18 +118,14 @@ impl Medium {
     pub fn near_axis(&self, a: &Particle) -> bool {
         match self.weights {
             Weights::HarmonicMean => false,
-            Weights::NearAxis(factor) => {
-                self.radius(a) <= factor * 2.0 * self.theta * self.size(a)
-            }
+            Weights::NearAxis(factor) => self.radius(a) <= factor * 2.0 * self.theta * self.size(a),
             Weights::Parshikov => true,
         }
     }
 
     /// The sums of every particle over all others and all images.
     pub fn sums(&self, particles: &[Particle]) -> Vec<Sums> {
-        (0..particles.len())
-            .map(|a| self.sums_of(particles, a))
-            .collect()
+        (0..particles.len()).map(|a| self.sums_of(particles, a)).collect()
     }
 
     fn sums_of(&self, particles: &[Particle], index: usize) -> Sums {
@@ -157,8 +153,7 @@ impl Medium {
     }
 
     fn shifts(&self) -> Vec<f64> {
-        self.period
-            .map_or(vec![0.0], |length| vec![-length, 0.0, length])
+        self.period.map_or(vec![0.0], |length| vec![-length, 0.0, length])
     }
 
     /// The particle itself, or its copy across the period and the axis.
@@ -192,11 +187,7 @@ impl Medium {
         }
         let spacing = 0.5 * (self.size(a) + self.size(b));
         let nearness = wendland(q) / wendland(spacing / support);
-        add(
-            &mut sums.crowding,
-            (1.0 + 0.2 * nearness.powi(4)) * area * g,
-            e,
-        );
+        add(&mut sums.crowding, (1.0 + 0.2 * nearness.powi(4)) * area * g, e);
 
         let weight = if self.near_axis(a) {
             2.0 * area
@@ -250,11 +241,7 @@ fn wendland(q: f64) -> f64 {
 
 /// The harmonic mean where both have one sign, else zero.
 fn van_leer(x: f64, y: f64) -> f64 {
-    if x * y > 0.0 {
-        2.0 * x * y / (x + y)
-    } else {
-        0.0
-    }
+    if x * y > 0.0 { 2.0 * x * y / (x + y) } else { 0.0 }
 }
 
 fn distance(a: &Particle, b: &Particle) -> f64 {

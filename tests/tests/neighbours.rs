@@ -21,20 +21,16 @@ struct Cloud {
 
 impl Cloud {
     fn new(domain: Domain, random: &mut Random) -> Self {
-        let packing = Packing {
-            domain,
-            theta: 0.6,
-            largest_size: 2.0 * SIZE,
-        };
+        let packing = Packing { domain, theta: 0.6, largest_size: 2.0 * SIZE };
         let mut wiring = Wiring::new();
         let sort = SortBin::new(&mut wiring, packing, SKIN);
         wiring.read(&meniscus_stages::fields::IDENTITY);
         let (mut r, mut z, mut mass) = (Vec::new(), Vec::new(), Vec::new());
         for i in 0..300 {
-            r.push(SIZE * (0.1 + f64::from(i / 20) + 0.09 * random.next()));
-            z.push(SIZE * (0.5 + f64::from(i % 20) + 0.4 * random.next()));
+            r.push(SIZE * (0.1 + f64::from(i / 20) + 0.09 * random.draw()));
+            z.push(SIZE * (0.5 + f64::from(i % 20) + 0.4 * random.draw()));
             let radius = r[r.len() - 1] + domain.origin;
-            mass.push(DENSITY * 2.0 * PI * radius * SIZE * SIZE * (1.0 + 0.4 * random.next()));
+            mass.push(DENSITY * 2.0 * PI * radius * SIZE * SIZE * (1.0 + 0.4 * random.draw()));
         }
         let mut store = wiring.allocate(r.len());
         store.set("radius", &r);
@@ -68,8 +64,7 @@ impl Cloud {
     /// the test chooses; the growth of the support counts as well.
     fn shake(&mut self, share: f64, direction: &mut dyn FnMut([f64; 2]) -> f64) {
         let [mut r, mut z, list_r, list_z, list_reach] =
-            ["radius", "axial", "list_radius", "list_axial", "list_reach"]
-                .map(|name| self.column(name));
+            ["radius", "axial", "list_radius", "list_axial", "list_reach"].map(|name| self.column(name));
         for i in 0..r.len() {
             let angle = direction([r[i], z[i]]);
             // Towards the axis a support grows: .4 of the skin leaves room for that.
@@ -79,8 +74,8 @@ impl Cloud {
             r[i] = to[0].max(0.02 * SIZE);
             z[i] = to[1];
             self.world.store.set("radius", &r);
-            let used = (r[i] - list_r[i]).hypot(z[i] - list_z[i])
-                + (self.reach()[i] - list_reach[i]).max(0.0);
+            let used =
+                (r[i] - list_r[i]).hypot(z[i] - list_z[i]) + (self.reach()[i] - list_reach[i]).max(0.0);
             if used >= 0.5 * SKIN {
                 (r[i], z[i]) = before;
             }
@@ -126,11 +121,7 @@ impl Cloud {
 
 fn domains() -> [Domain; 3] {
     let period = Some((0.0, 20.0 * SIZE));
-    [
-        Domain { origin: 0.0, period: None },
-        Domain { origin: 0.0, period },
-        Domain { origin: 1.0, period },
-    ]
+    [Domain { origin: 0.0, period: None }, Domain { origin: 0.0, period }, Domain { origin: 1.0, period }]
 }
 
 #[test]
@@ -141,7 +132,7 @@ fn random_walks_within_the_skin() {
         cloud.world.clock.step = 0;
         cloud.run();
         for _ in 0..10 {
-            cloud.shake(0.999, &mut |_| PI * random.next());
+            cloud.shake(0.999, &mut |_| PI * random.draw());
             let builds = cloud.world.neighbours.builds();
             cloud.run();
             assert_eq!(cloud.world.neighbours.builds(), builds, "below the criterion");

@@ -23,11 +23,7 @@ fn velocities(settings: &[&str]) -> Vec<[f64; 2]> {
 fn micrometres_millimetres_and_tin() {
     let micrometres = velocities(&[]);
     let millimetres = velocities(&["radius=\"2.5 mm\""]);
-    let tin = velocities(&[
-        "radius=\"15 um\"",
-        "density=\"6990 kg/m3\"",
-        "surface_tension=\"0.544 N/m\"",
-    ]);
+    let tin = velocities(&["radius=\"15 um\"", "density=\"6990 kg/m3\"", "surface_tension=\"0.544 N/m\""]);
     for (name, other) in [("millimetres", millimetres), ("tin", tin)] {
         assert_eq!(other.len(), micrometres.len());
         let scale = micrometres.iter().flatten().fold(0.0f64, |most, v| most.max(v.abs()));

@@ -5,10 +5,7 @@ use meniscus_tests::drops;
 
 /// The bits of every State column after some steps, with the columns' names.
 fn bits(threads: usize, settings: &[&str], steps: usize) -> Vec<(&'static str, Vec<u64>)> {
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .expect("a pool");
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
     pool.install(|| {
         let mut simulation = drops::start(&drops::drop(settings));
         drops::advance(&mut simulation, steps);

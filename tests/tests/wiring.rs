@@ -15,8 +15,7 @@ fn physics(number: u32) -> Physics {
         scheme: [Scheme::HarmonicMean, Scheme::Parshikov][usize::from(bit(0))],
         axis: [AxisTreatment::Conservative, AxisTreatment::Parshikov][usize::from(bit(1))],
         flux: [Flux::Reconstructed, Flux::FirstOrder][usize::from(bit(2))],
-        time_integration: [TimeIntegration::AdamsBashforth, TimeIntegration::Euler]
-            [usize::from(bit(3))],
+        time_integration: [TimeIntegration::AdamsBashforth, TimeIntegration::Euler][usize::from(bit(3))],
         curvature: [Curvature::ColourField, Curvature::NormalDivergence][usize::from(bit(4))],
         shifting: if bit(5) { 0.5 } else { 0.0 },
         kernel_correction: bit(7),
@@ -24,14 +23,10 @@ fn physics(number: u32) -> Physics {
         strain_correction: bit(9),
         colour_guard: if bit(10) { 0.85 } else { 0.0 },
         momentum_correction: bit(11),
-        reference_pressure: [ReferencePressure::Component, ReferencePressure::None]
-            [usize::from(bit(12))],
+        reference_pressure: [ReferencePressure::Component, ReferencePressure::None][usize::from(bit(12))],
         ..Method::defaults()
     };
-    Physics {
-        surface_tension: if bit(6) { 0.074 } else { 0.0 },
-        ..liquid::physics(method)
-    }
+    Physics { surface_tension: if bit(6) { 0.074 } else { 0.0 }, ..liquid::physics(method) }
 }
 
 #[test]
@@ -56,6 +51,7 @@ fn a_step_of_every_combination_is_finite() {
             p.velocity = [0.1, -0.2].map(|speed| speed * p.position[1] / (9.0 * SIZE));
         }
         let mut block = Block::new(&physics, &particles);
+        block.begin();
         for _ in 0..2 {
             block.step();
         }

@@ -7,6 +7,9 @@ use super::observe::{column_of, numbered, with_index};
 use crate::scene::{Measure, Scene};
 use std::f64::consts::PI;
 
+/// Part of the motion that a fit may leave over before its frequency is doubtful.
+const POOR_FIT: f64 = 0.3;
+
 /// One measured number.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
@@ -18,7 +21,7 @@ pub struct Outcome {
     pub unit: &'static str,
     /// The exact value, if there is one.
     pub reference: Option<f64>,
-    /// Why there is no value, in a sentence.
+    /// Why there is no value, or none to trust, in a sentence.
     pub doubt: Option<String>,
 }
 
@@ -73,12 +76,18 @@ pub fn evaluate(scene: &Scene, history: &History) -> Vec<Outcome> {
                 let name = |name: &str| numbered(name, index);
                 let damping = fit.map(|fit| fit.damping_per_period());
                 let residual = fit.map(|fit| fit.residual);
-                vec![
+                let mut outcomes = vec![
                     Outcome::of(name("frequency"), fit.map(|fit| fit.frequency()), "Hz")
                         .against(exact / (2.0 * PI)),
                     Outcome::of(name("damping-per-period"), damping, "1").against(0.0),
                     Outcome::of(name("fit-residual"), residual, "1"),
-                ]
+                ];
+                if let Some(residual) = residual.filter(|residual| *residual > POOR_FIT) {
+                    let sentence = "is doubtful: what the fit of a damped oscillation leaves over is";
+                    outcomes[0].doubt =
+                        Some(format!("`{}` {sentence} {residual:.2} of the motion", outcomes[0].name));
+                }
+                outcomes
             }
         }
     });

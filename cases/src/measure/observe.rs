@@ -2,11 +2,11 @@
 
 use super::exact::Drop;
 use super::surface::Surface;
+use crate::assemble::Physics;
 use crate::scene::legendre;
 use crate::scene::{Liquid, Measure, Scene};
 use crate::simulation::Simulation;
 use meniscus_engine::field::Field;
-use meniscus_stages::equation_of_state::{EquationOfState, Linear};
 use meniscus_stages::fields;
 
 /// Name and SI unit of what is observed.
@@ -21,7 +21,7 @@ pub struct Quantity {
 /// Observes a run. Sums run over the particles in their memory order on one thread: the same for any
 /// number of threads, and for a resumed run.
 pub struct Observer {
-    equation: Linear,
+    physics: Physics,
     liquid: Liquid,
     origin: f64,
     surface: Option<Surface>,
@@ -86,7 +86,7 @@ impl Observer {
     /// An observer of the scene's runs.
     pub fn new(scene: &Scene, simulation: &Simulation) -> Self {
         Observer {
-            equation: simulation.physics.equation,
+            physics: simulation.physics.clone(),
             liquid: scene.liquid.clone(),
             origin: scene.domain.origin,
             surface: Surface::of(scene),
@@ -161,14 +161,14 @@ impl Observer {
 
     /// The integral of P/rho^2 over the density from that at rest, in J/kg.
     fn compression_energy(&self, density: f64) -> f64 {
-        let excess = (density - self.equation.reference_density) / self.equation.reference_density;
+        let excess = (density - self.physics.reference_density) / self.physics.reference_density;
         // ln(1 + x) - x/(1 + x): the series where the difference of both would cancel.
         let integral = if excess.abs() < 1e-4 {
             excess * excess * (0.5 - excess * (2.0 / 3.0 - 0.75 * excess))
         } else {
             excess.ln_1p() - excess / (1.0 + excess)
         };
-        self.equation.sound_speed.powi(2) * integral
+        self.physics.sound_speed.powi(2) * integral
     }
 
     fn observe_measure(&self, particles: &Particles, measure: &Measure, rms: f64) -> f64 {
@@ -183,7 +183,7 @@ impl Observer {
                 let (sum, mass) = inside.fold((0.0, 0.0), |(sum, mass), i| {
                     let m = particles.mass[i];
                     // The whole pressure, whatever part of it the forces leave out.
-                    let pressure = self.equation.pressure(particles.density[i]);
+                    let pressure = self.physics.equation.pressure(particles.density[i], 0.0);
                     (sum + m * pressure, mass + m)
                 });
                 sum / mass

@@ -4,9 +4,8 @@ use crate::contact::Contact;
 use crate::fields;
 use crate::geometry::Geometry;
 use crate::record::FlowState;
-use arrayvec::ArrayVec;
 use meniscus_engine::lanes::Lanes;
-use meniscus_engine::pairs::{MOST_OUTPUTS, PairTerm};
+use meniscus_engine::pairs::{Columns, PairTerm};
 use meniscus_engine::store::Write;
 use meniscus_engine::wiring::Wiring;
 
@@ -43,7 +42,7 @@ impl<R: FlowState, G: Geometry> PairTerm<R, Contact> for DensityRate<G> {
         results[0] = flow.velocity_r.mul_add(self.geometry.inverse_radius(flow), sum);
     }
 
-    fn outputs(&self, columns: &mut ArrayVec<Write<f64>, MOST_OUTPUTS>) {
-        columns.push(self.strain_rate);
+    fn outputs(&self, columns: &mut Columns) {
+        columns.push(Some(self.strain_rate));
     }
 }

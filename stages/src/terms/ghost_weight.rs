@@ -4,9 +4,8 @@ use crate::contact::Contact;
 use crate::fields;
 use crate::geometry::Geometry;
 use crate::record::FlowState;
-use arrayvec::ArrayVec;
 use meniscus_engine::lanes::Lanes;
-use meniscus_engine::pairs::{MOST_OUTPUTS, PairTerm};
+use meniscus_engine::pairs::{Columns, PairTerm};
 use meniscus_engine::store::Write;
 use meniscus_engine::wiring::Wiring;
 
@@ -47,7 +46,7 @@ impl<R: FlowState, G: Geometry> PairTerm<R, Contact> for GhostWeight<G> {
         results[1] = Lanes::HALF * sum[1];
     }
 
-    fn outputs(&self, columns: &mut ArrayVec<Write<f64>, MOST_OUTPUTS>) {
-        columns.extend(self.weight);
+    fn outputs(&self, columns: &mut Columns) {
+        columns.extend(self.weight.map(Some));
     }
 }

@@ -2,6 +2,7 @@
 
 mod crowding;
 mod density_rate;
+mod energy_rate;
 mod ghost_weight;
 mod moment_matrix;
 mod pressure_riemann;
@@ -9,6 +10,7 @@ mod velocity_sum;
 
 pub use crowding::Crowding;
 pub use density_rate::DensityRate;
+pub use energy_rate::EnergyRate;
 pub use ghost_weight::GhostWeight;
 pub use moment_matrix::MomentMatrix;
 pub use pressure_riemann::PressureRiemann;

@@ -4,9 +4,8 @@ use crate::contact::Contact;
 use crate::fields;
 use crate::geometry::Geometry;
 use crate::record::FlowState;
-use arrayvec::ArrayVec;
 use meniscus_engine::lanes::Lanes;
-use meniscus_engine::pairs::{MOST_OUTPUTS, PairTerm};
+use meniscus_engine::pairs::{Columns, PairTerm};
 use meniscus_engine::store::Write;
 use meniscus_engine::wiring::Wiring;
 
@@ -56,8 +55,8 @@ impl<R: FlowState, G: Geometry> PairTerm<R, Contact> for PressureRiemann<G> {
         results[1..4].copy_from_slice(&sum[1..4]);
     }
 
-    fn outputs(&self, columns: &mut ArrayVec<Write<f64>, MOST_OUTPUTS>) {
-        columns.extend(self.force);
-        columns.extend(self.dissipation);
+    fn outputs(&self, columns: &mut Columns) {
+        columns.extend(self.force.map(Some));
+        columns.extend(self.dissipation.map(Some));
     }
 }

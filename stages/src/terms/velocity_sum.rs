@@ -3,9 +3,8 @@
 use crate::contact::Contact;
 use crate::fields;
 use crate::record::FlowState;
-use arrayvec::ArrayVec;
 use meniscus_engine::lanes::Lanes;
-use meniscus_engine::pairs::{MOST_OUTPUTS, PairTerm};
+use meniscus_engine::pairs::{Columns, PairTerm};
 use meniscus_engine::store::Write;
 use meniscus_engine::wiring::Wiring;
 
@@ -54,7 +53,7 @@ impl<R: FlowState> PairTerm<R, Contact> for VelocitySum {
         results.copy_from_slice(&sum);
     }
 
-    fn outputs(&self, columns: &mut ArrayVec<Write<f64>, MOST_OUTPUTS>) {
-        columns.extend(self.sum);
+    fn outputs(&self, columns: &mut Columns) {
+        columns.extend(self.sum.map(Some));
     }
 }

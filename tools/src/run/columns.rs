@@ -4,7 +4,6 @@ use meniscus_cases::assemble::assemble;
 use meniscus_cases::scene::Scene;
 use meniscus_cases::simulation::Simulation;
 use meniscus_engine::field::{Description, Role, Values};
-use meniscus_stages::equation_of_state::EquationOfState;
 use meniscus_stages::fields;
 
 use crate::failure::Failure;
@@ -28,7 +27,7 @@ pub(super) fn column(simulation: &Simulation, name: &str) -> Vec<f64> {
 pub(super) fn pressure(simulation: &Simulation) -> Vec<f64> {
     let equation = simulation.physics.equation;
     let density = column(simulation, fields::DENSITY.description.name);
-    density.iter().map(|d| equation.pressure(*d)).collect()
+    density.iter().map(|d| equation.pressure(*d, 0.0)).collect()
 }
 
 /// The root of area of every particle, in m.

@@ -66,7 +66,7 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<ExitCode, Failure> {
     std::fs::write(folder.scene(), &scene.text).map_err(|error| not_written(&folder.scene(), &error))?;
     let run = Run { scene, folder, signals: listen()?, quiet: arguments.extent.quiet, started };
     run.introduce();
-    pool.install(|| run.from_the_start())
+    pool.install(|| run.begin())
 }
 
 /// Continues a run.
@@ -86,7 +86,7 @@ pub(crate) fn resume(arguments: &ResumeArguments) -> Result<ExitCode, Failure> {
     std::fs::write(folder.scene(), &scene.text).map_err(|error| not_written(&folder.scene(), &error))?;
     let run = Run { scene, folder, signals: listen()?, quiet: arguments.extent.quiet, started };
     eprintln!("continues from {name}");
-    pool.install(|| run.from_a_checkpoint(&checkpoint))
+    pool.install(|| run.pick_up(&checkpoint))
 }
 
 fn listen() -> Result<Signals, Failure> {
@@ -124,7 +124,7 @@ impl Run {
         if self.quiet { Progress::quiet() } else { Progress::new(total, what) }
     }
 
-    fn from_the_start(&self) -> Result<ExitCode, Failure> {
+    fn begin(&self) -> Result<ExitCode, Failure> {
         let mut settling = Stopwatch::default();
         let mut simulation = settling.time(|| self.settle())?;
         eprintln!("{} particles", grouped(simulation.world.store.len() as u64));
@@ -133,7 +133,7 @@ impl Run {
         self.go_on(&mut simulation, &mut recorder, settling)
     }
 
-    fn from_a_checkpoint(&self, checkpoint: &checkpoint::Checkpoint) -> Result<ExitCode, Failure> {
+    fn pick_up(&self, checkpoint: &checkpoint::Checkpoint) -> Result<ExitCode, Failure> {
         let mut simulation = Simulation::resume(&self.scene, checkpoint)?;
         let mut recorder = Recorder::resume(&self.scene, &self.folder, &simulation)?;
         if simulation.world.clock.step == 0 {
