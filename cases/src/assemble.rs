@@ -6,13 +6,14 @@ use meniscus_engine::pairs::{PairPass, PairTerm};
 use meniscus_engine::pipeline::{Pipeline, Stage};
 use meniscus_engine::wiring::{Wiring, WiringError};
 use meniscus_stages::boundary_detect::{BoundaryDetect, ColourGuard};
+use meniscus_stages::central_force::CentralForce;
 use meniscus_stages::colour_field::ColourField;
 use meniscus_stages::contact::{Contact, ContactProblem, FirstOrder, Limited, Reconstruction};
 use meniscus_stages::correction::MomentumCorrection;
 use meniscus_stages::curvature_colour::{ColourCurvature, CurvatureColour};
 use meniscus_stages::curvature_normals::CurvatureNormals;
-use meniscus_stages::central_force::CentralForce;
 use meniscus_stages::equation_of_state::{Packing, State};
+use meniscus_stages::fields;
 use meniscus_stages::geometry::{Geometry, HarmonicMean, NearAxisParshikov, Parshikov};
 use meniscus_stages::ghost_coupling::GhostCoupling;
 use meniscus_stages::initial_pressure::InitialPressure;
@@ -258,6 +259,9 @@ impl Builder<'_> {
         }
         self.plan("integrate", true, ("time moves on", ""));
         stages.push(self.integrate());
+        // Pictures and files show the pressure: it counts as read.
+        self.wiring.stage("outputs");
+        self.wiring.read(&fields::PRESSURE);
         let reasons = ("asked for with a positive coefficient", "its coefficient is zero");
         if self.plan("shifting", method.shifting > 0.0, reasons) {
             let strength = Strength {
@@ -397,8 +401,7 @@ impl Builder<'_> {
         let weight = self.with_surface().then(|| GhostWeight::new(&mut self.wiring, geometry));
         let sum = self.with_sums().then(|| VelocitySum::new(&mut self.wiring));
         let theta = self.physics.method.theta;
-        let crowding =
-            (self.physics.method.shifting > 0.0).then(|| Crowding::new(&mut self.wiring, theta));
+        let crowding = (self.physics.method.shifting > 0.0).then(|| Crowding::new(&mut self.wiring, theta));
         let energy = self.with_energy().then(|| EnergyRate::new(&mut self.wiring, geometry));
         // The sums of most scenes are fused without a question; the rest are options.
         match (moment, weight, sum) {

@@ -12,8 +12,8 @@ use meniscus_engine::neighbours::Domain;
 use meniscus_engine::pipeline::{Cost, Fault, Pipeline, World};
 use meniscus_engine::store::Store;
 use meniscus_engine::wiring::WiringError;
-use meniscus_stages::liquids::Linear;
 use meniscus_stages::fields;
+use meniscus_stages::liquids::Linear;
 use std::f64::consts::PI;
 
 /// Why a scene can't be set in motion.

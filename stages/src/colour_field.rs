@@ -42,13 +42,18 @@ impl ColourField {
             self.slack = slack;
             let count = r.len();
             domain.images(list_r, list_z, support + 2.0 * slack, &mut self.images);
-            let place = |image: &Image| {
+            // The columns first hold the places at the list's build, to sort by them.
+            for (column, own) in [(&mut self.r, list_r), (&mut self.z, list_z)] {
+                column.clear();
+                column.extend_from_slice(own);
+            }
+            for image in &self.images {
                 let source = image.source as usize;
-                domain.place(image, list_r[source], list_z[source])
-            };
-            let (image_r, image_z): (Vec<f64>, Vec<f64>) = self.images.iter().map(place).unzip();
-            let all = |own: &[f64], image: Vec<f64>| [own, &image].concat();
-            self.bins.build(&all(list_r, image_r), &all(list_z, image_z), 0.25 * support);
+                let (image_r, image_z) = domain.place(image, list_r[source], list_z[source]);
+                self.r.push(image_r);
+                self.z.push(image_z);
+            }
+            self.bins.build(&self.r, &self.z, 0.25 * support);
             let padded = count + self.images.len() + WIDTH;
             for column in [&mut self.r, &mut self.z, &mut self.area] {
                 column.clear();

@@ -26,7 +26,8 @@ struct Found {
 pub struct ColourCurvature {
     /// sigma in N/m.
     pub surface_tension: f64,
-    /// Support radius of the colour field in particle sizes; 8 or more (method.md, section 10).
+    /// Support radius of the colour field in particle sizes; 8 or more (method.md, section 10). At 9 a drop
+    /// at rest stays at rest: at 8 its velocity creeps up.
     pub support: f64,
     /// Steps between two computations; in between the Laplace pressure is extrapolated.
     pub interval: u64,

@@ -27,6 +27,7 @@ pub struct CurvatureNormals {
     points: [Vec<f64>; 3],
     bins: Bins,
     normals: Vec<[f64; 2]>,
+    largest: f64,
 }
 
 impl CurvatureNormals {
@@ -46,13 +47,15 @@ impl CurvatureNormals {
             points: Default::default(),
             bins: Bins::default(),
             normals: Vec::new(),
+            largest: 0.0,
         }
     }
 
     /// Particles and images, sorted for a search within the wider support.
     fn gather(&mut self, r: &[f64], z: &[f64], size: &[f64]) {
         let Packing { domain, largest_size, .. } = self.packing;
-        let support = 4.0 * self.normal_theta * largest_size;
+        self.largest = parallel::maximum(size.len(), |i| size[i]).min(largest_size);
+        let support = 4.0 * self.normal_theta * self.largest;
         domain.images(r, z, support, &mut self.images);
         for (points, own) in self.points.iter_mut().zip([r, z, size]) {
             points.clear();
@@ -65,21 +68,22 @@ impl CurvatureNormals {
             self.points[1].push(image_z);
             self.points[2].push(size[source]);
         }
-        self.bins.build(&self.points[0], &self.points[1], support);
+        self.bins.build(&self.points[0], &self.points[1], 0.25 * support);
     }
 
     /// Calls `visit(b, dr, dz, V_b g/d)` for every point within the pair's support radius.
     fn neighbours(&self, a: usize, theta: f64, mut visit: impl FnMut(usize, [f64; 2], f64)) {
         let [r, z, size] = &self.points;
-        let most = self.packing.largest_size;
+        let most = self.largest;
         self.bins.near(r[a], z[a], 4.0 * theta * most, |range| {
             for &b in &self.bins.members()[range] {
                 let b = b as usize;
                 let d = [r[b] - r[a], z[b] - z[a]];
                 let support = 2.0 * theta * (size[a].min(most) + size[b].min(most));
-                let q = d[0].hypot(d[1]) / support;
-                if b != a && q < 1.0 {
-                    let kernel = 140.0 / PI * (1.0 - q).powi(3) / support.powi(4);
+                let square = d[0] * d[0] + d[1] * d[1];
+                if b != a && square < support * support {
+                    let inside = 1.0 - square.sqrt() / support;
+                    let kernel = 140.0 / PI * (inside * inside * inside) / support.powi(4);
                     visit(b, d, size[b] * size[b] * kernel);
                 }
             }

@@ -91,11 +91,24 @@ impl Integrate {
         if step_size > VANISHING * at_rest {
             return Ok(step_size);
         }
-        // Name the particle whose strain rate is to blame.
+        // A particle whose state is bad spoils its neighbours' rates: it comes first.
+        if let Some((i, quantity, value)) = self.bad_state(world) {
+            return Err(self.fault(world, i, quantity, value));
+        }
         let strain_rate = world.store.read(self.strain_rate);
         let larger = |&a: &usize, &b: &usize| strain_rate[a].abs().total_cmp(&strain_rate[b].abs());
         let worst = (0..strain_rate.len()).max_by(larger).unwrap_or(0);
         Err(self.fault(world, worst, "strain_rate", strain_rate[worst]))
+    }
+
+    /// The first particle whose density, velocity or position is no number or out of bounds.
+    fn bad_state(&self, world: &World) -> Option<Bad> {
+        let [r, z] = self.position.map(|field| world.store.write(field));
+        let [u, w] = self.velocity.map(|field| world.store.write(field));
+        let density = world.store.write(self.density);
+        let state = |i: usize| [density[i], u[i], w[i], z[i], r[i]];
+        let is_bad = |&i: &usize| !is_sound(state(i), self.courant.origin);
+        (0..r.len()).find(is_bad).map(|i| name_bad(i, state(i)))
     }
 
     fn fault(&self, world: &World, i: usize, quantity: &'static str, value: f64) -> Fault {
@@ -163,12 +176,9 @@ impl Integrate {
                 let radius = Lanes::load_or(&r[eight.clone()], 1.0) + Lanes::splat(origin);
                 let least = new_density.min(radius).min(Lanes::splat(f64::MAX) - sum.abs());
                 if !least.all_positive() && bad.is_none() {
-                    let wrong = |&k: &usize| {
-                        let finite = (density[k] + u[k] + w[k] + z[k]).is_finite();
-                        !(finite && density[k] > 0.0 && r[k] + origin > 0.0)
-                    };
-                    let k = eight.clone().find(wrong);
-                    bad = k.map(|k| name_bad(start + k, [density[k], u[k], w[k], z[k], r[k]]));
+                    let state = |k: usize| [density[k], u[k], w[k], z[k], r[k]];
+                    let k = eight.clone().find(|&k| !is_sound(state(k), origin));
+                    bad = k.map(|k| name_bad(start + k, state(k)));
                 }
             }
             bad
@@ -218,6 +228,10 @@ type Bad = (usize, &'static str, f64);
 
 type Pair<'a> = (&'a mut [f64], &'a mut [f64]);
 type Columns<'a> = (Pair<'a>, Pair<'a>, &'a mut [f64], Option<Pair<'a>>);
+
+fn is_sound([density, u, w, z, r]: [f64; 5], origin: f64) -> bool {
+    (density + u + w + z).is_finite() && density > 0.0 && r + origin > 0.0
+}
 
 fn name_bad(i: usize, [density, u, w, z, r]: [f64; 5]) -> Bad {
     if !(density > 0.0 && density.is_finite()) {

@@ -63,9 +63,10 @@ size = "1 um"
 until = "1 us"
 "#;
 
-/// The block's physics with the given method, without surface tension.
+/// The block's physics with the given method. The surface tension is too small to act, but keeps the
+/// ghosts of the surface in the pipeline.
 pub fn physics(method: Method) -> Physics {
-    Physics { method, shifting_speed: 1.0, ..Physics::of(&scene(SCENE, &[])) }
+    Physics { method, surface_tension: 1e-200, shifting_speed: 1.0, ..Physics::of(&scene(SCENE, &[])) }
 }
 
 /// What the physics means for the reference equations.

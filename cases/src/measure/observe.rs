@@ -171,6 +171,16 @@ impl Observer {
         self.physics.sound_speed.powi(2) * integral
     }
 
+    /// The axial centre of mass of what lies within `reach` of a point of the axis: a drop may drift,
+    /// and its shape is measured about where it is.
+    fn centre_of_mass(&self, particles: &Particles, centre: f64, reach: f64) -> f64 {
+        let near = |&i: &usize| (particles.r[i] + self.origin).hypot(particles.z[i] - centre) < reach;
+        let (sum, mass) = (0..particles.r.len()).filter(near).fold((0.0, 0.0), |(sum, mass), i| {
+            (sum + particles.mass[i] * particles.z[i], mass + particles.mass[i])
+        });
+        if mass > 0.0 { sum / mass } else { centre }
+    }
+
     fn observe_measure(&self, particles: &Particles, measure: &Measure, rms: f64) -> f64 {
         let place = |i: usize, centre: f64| {
             let (r, z) = (particles.r[i] + self.origin, particles.z[i] - centre);
@@ -189,6 +199,7 @@ impl Observer {
                 sum / mass
             }
             Measure::Oscillation { mode, radius, centre } => {
+                let centre = self.centre_of_mass(particles, centre, 2.0 * radius);
                 let (sum, mass) = all.fold((0.0, 0.0), |(sum, mass), i| {
                     let (s, z) = place(i, centre);
                     let harmonic = if s > 0.0 {
