@@ -90,8 +90,8 @@ pub struct Pipeline {
 impl Pipeline {
     /// A pipeline that runs `start` once before the first step of a new run, then `stages` every step.
     pub fn new(start: Vec<Box<dyn Stage>>, stages: Vec<Box<dyn Stage>>) -> Self {
-        let cost = |stage: &Box<dyn Stage>| Cost { stage: stage.name(), calls: 0, time: Duration::ZERO };
-        let costs = stages.iter().map(cost).collect();
+        let cost = |stage: &dyn Stage| Cost { stage: stage.name(), calls: 0, time: Duration::ZERO };
+        let costs = stages.iter().map(|stage| cost(stage.as_ref())).collect();
         Pipeline { start, stages, costs }
     }
 
