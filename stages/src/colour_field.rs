@@ -77,10 +77,13 @@ impl ColourField {
 
     /// The field at (r, z) with the given support radius, all in metres.
     ///
-    /// With the Wendland C6 kernel W = 78/(7 pi H^2) (1-q)^8 (32 q^3 + 25 q^2 + 8 q + 1):
-    /// grad W = phi d/H^2 and d_i d_j W = (phi delta_ij + psi d_i d_j/H^2)/H^2, where
-    /// phi = W'/q = -22 (16 q^2 + 7 q + 1)(1-q)^7 and psi = phi'/q = 528 (6 q + 1)(1-q)^6, times the
-    /// kernel's constant (method.md, section 9).
+    /// The kernel is the Wendland C6 kernel times 1 - 8 q^2, of fourth order: the second moment along a
+    /// line through its centre vanishes. So the contour c = 1/2 of a wavy surface keeps the wave's
+    /// amplitude but for terms of (k H)^4, and that of a sphere its radius, where the plain kernel loses
+    /// (2/91)(k H)^2. With w = (1-q)^8 (32 q^3 + 25 q^2 + 8 q + 1), phi = w'/q = -22 (16 q^2 + 7 q + 1)(1-q)^7
+    /// and psi = phi'/q = 528 (6 q + 1)(1-q)^6, the kernel (390/(11 pi H^2)) w p, p = 1 - 8 q^2, has
+    /// Phi = p phi - 16 w and Psi = p psi - 32 phi in
+    /// grad W = Phi d/H^2 and d_i d_j W = (Phi delta_ij + Psi d_i d_j/H^2)/H^2.
     pub fn at(&self, r: f64, z: f64, support: f64) -> Colour {
         let inverse = 1.0 / support;
         let (lr, lz, linverse) = (Lanes::splat(r), Lanes::splat(z), Lanes::splat(inverse));
@@ -95,8 +98,8 @@ impl ColourField {
                 add_kernel(x, y, area, &mut sums);
             }
         });
-        let constant = 78.0 / (7.0 * PI) * inverse * inverse;
-        let first = -22.0 * constant * inverse;
+        let constant = 390.0 / (11.0 * PI) * inverse * inverse;
+        let first = constant * inverse;
         let second = constant * inverse * inverse;
         let sum = sums.map(|lanes| lanes.sum());
         Colour {
@@ -134,15 +137,18 @@ fn add_kernel(x: Lanes, y: Lanes, area: Lanes, sums: &mut [Lanes; 6]) {
     let sixth = square * square * square * area;
     let seventh = sixth * inside;
     let shape = number(32.0).mul_add(q, number(25.0)).mul_add(q, number(8.0)).mul_add(q, Lanes::ONE);
-    let phi = number(16.0).mul_add(q, number(7.0)).mul_add(q, Lanes::ONE) * seventh;
+    let w = shape * seventh * inside;
+    let phi = number(-22.0) * number(16.0).mul_add(q, number(7.0)).mul_add(q, Lanes::ONE) * seventh;
     let psi = number(528.0) * number(6.0).mul_add(q, Lanes::ONE) * sixth;
-    let diagonal = number(-22.0) * phi;
-    sums[0] = shape.mul_add(seventh * inside, sums[0]);
-    sums[1] = phi.mul_add(x, sums[1]);
-    sums[2] = phi.mul_add(y, sums[2]);
-    sums[3] += (psi * x).mul_add(x, diagonal);
-    sums[4] = (psi * x).mul_add(y, sums[4]);
-    sums[5] += (psi * y).mul_add(y, diagonal);
+    let order = number(8.0).neg_mul_add(q * q, Lanes::ONE);
+    let first = order.mul_add(phi, number(-16.0) * w);
+    let second = order.mul_add(psi, number(-32.0) * phi);
+    sums[0] = order.mul_add(w, sums[0]);
+    sums[1] = first.mul_add(x, sums[1]);
+    sums[2] = first.mul_add(y, sums[2]);
+    sums[3] += (second * x).mul_add(x, first);
+    sums[4] = (second * x).mul_add(y, sums[4]);
+    sums[5] += (second * y).mul_add(y, first);
 }
 
 #[cfg(test)]

@@ -26,8 +26,8 @@ struct Found {
 pub struct ColourCurvature {
     /// sigma in N/m.
     pub surface_tension: f64,
-    /// Support radius of the colour field in particle sizes; 8 or more (method.md, section 10). At 9 a drop
-    /// at rest stays at rest: at 8 its velocity creeps up.
+    /// Support radius of the colour field in particle sizes. At 12 the velocity of a drop at rest falls;
+    /// at 10 it creeps up.
     pub support: f64,
     /// Steps between two computations; in between the Laplace pressure is extrapolated.
     pub interval: u64,
@@ -224,10 +224,10 @@ impl SurfaceNeighbours {
 }
 
 /// Depth below a flat surface over the support radius, from c - 1/2: an odd polynomial fitted to the
-/// inverse of the Wendland C6 kernel's half-plane integral, good to .002 for |c - 1/2| < .46.
+/// inverse of the colour kernel's half-plane integral, good to .0004 for |c - 1/2| < .51.
 fn depth(excess: f64) -> f64 {
     let square = excess * excess;
-    excess * (0.520_433_54 + square * (0.997_516_16 + square * (-5.199_207_41 + square * 30.067_918_45)))
+    excess * (0.255_988_86 + square * (0.142_692_53 + square * (-0.007_783_92 + square * 0.882_506_95)))
 }
 
 /// Most evaluations of the colour field for one particle, the one at its own place included.
@@ -251,7 +251,7 @@ fn find(
         return Found::default();
     }
     let tangent = [-here.gradient[1] / length, here.gradient[0] / length];
-    let first = support * depth((here.value - 0.5).clamp(-0.46, 0.46));
+    let first = support * depth((here.value - 0.5).clamp(-0.5, 0.5));
     let (mut foot, mut colour, mut inward) = (at, here, -first);
     for _ in 1..MOST_EVALUATIONS {
         let step = inward / colour.gradient[0].hypot(colour.gradient[1]);
