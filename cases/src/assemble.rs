@@ -324,11 +324,14 @@ impl Builder<'_> {
         let (method, surface_tension) = (&self.physics.method, self.physics.surface_tension);
         if method.curvature == Curvature::NormalDivergence {
             let theta = method.normal_theta;
-            let stage = CurvatureNormals::new(&mut self.wiring, self.packing, surface_tension, theta);
+            let density = self.physics.reference_density;
+            let stage =
+                CurvatureNormals::new(&mut self.wiring, self.packing, surface_tension, density, theta);
             return Box::new(stage);
         }
         let settings = ColourCurvature {
             surface_tension,
+            density: self.physics.reference_density,
             support: method.colour_support,
             interval: method.curvature_interval,
             with_slope: self.with_slope(),

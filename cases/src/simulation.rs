@@ -13,7 +13,7 @@ use meniscus_engine::pipeline::{Cost, Fault, Pipeline, World};
 use meniscus_engine::store::Store;
 use meniscus_engine::wiring::WiringError;
 use meniscus_stages::fields;
-use meniscus_stages::liquids::Linear;
+use meniscus_stages::liquids::{IdealGas, Linear, MieGrueneisen};
 use std::f64::consts::PI;
 
 /// Why a scene can't be set in motion.
@@ -62,6 +62,10 @@ impl Physics {
         let reference_density = scene.liquid.density;
         let equation = match scene.liquid.equation_of_state {
             EquationOfState::Linear => Equation::Linear(Linear { sound_speed, reference_density }),
+            EquationOfState::MieGrueneisen { adiabat_slope: slope, grueneisen } => {
+                Equation::MieGrueneisen(MieGrueneisen { reference_density, sound_speed, slope, grueneisen })
+            }
+            EquationOfState::IdealGas { heat_ratio } => Equation::IdealGas(IdealGas { heat_ratio }),
         };
         let bottom = scene.bodies.iter().map(|b| b.shape.bounds()[2]).fold(f64::INFINITY, f64::min);
         Physics {
@@ -69,7 +73,7 @@ impl Physics {
             equation,
             sound_speed,
             reference_density,
-            central_force: 0.0,
+            central_force: scene.central_force,
             surface_tension: scene.liquid.surface_tension,
             domain: Domain {
                 origin: scene.domain.origin,
@@ -81,16 +85,20 @@ impl Physics {
     }
 }
 
-/// A particle before it is one: position, mass and initial velocity.
+/// Particles before they are ones.
+#[derive(Default)]
 struct Seeds {
     r: Vec<f64>,
     z: Vec<f64>,
     mass: Vec<f64>,
+    density: Vec<f64>,
+    /// Specific internal energy, J/kg.
+    energy: Vec<f64>,
     body: Vec<usize>,
 }
 
 fn seed(scene: &Scene) -> Result<Seeds, StartError> {
-    let mut seeds = Seeds { r: Vec::new(), z: Vec::new(), mass: Vec::new(), body: Vec::new() };
+    let mut seeds = Seeds::default();
     let origin = scene.domain.origin;
     for (k, body) in scene.bodies.iter().enumerate() {
         let options = PackingOptions {
@@ -101,9 +109,12 @@ fn seed(scene: &Scene) -> Result<Seeds, StartError> {
         };
         let packing =
             pack(&body.shape, &options).map_err(|source| StartError::Packing { body: k + 1, source })?;
-        let density = scene.liquid.density;
+        let density = body.density.unwrap_or(scene.liquid.density);
         let mass = |(r, area): (&f64, &f64)| density * 2.0 * PI * (r + origin) * area;
         seeds.mass.extend(packing.r.iter().zip(&packing.area).map(mass));
+        let energy = |(r, z): (&f64, &f64)| body.internal_energy.at(*r, *z);
+        seeds.energy.extend(packing.r.iter().zip(&packing.z).map(energy));
+        seeds.density.extend(std::iter::repeat_n(density, packing.r.len()));
         seeds.body.extend(std::iter::repeat_n(k, packing.r.len()));
         seeds.r.extend(packing.r);
         seeds.z.extend(packing.z);
@@ -111,14 +122,15 @@ fn seed(scene: &Scene) -> Result<Seeds, StartError> {
     Ok(seeds)
 }
 
-fn place(store: &mut Store, seeds: &Seeds, density: f64) {
+fn place(store: &mut Store, seeds: &Seeds) {
     let count = seeds.r.len();
     let identity: Vec<u32> = (0..count as u32).collect();
     store.set(fields::IDENTITY.description.name, &identity);
     store.set(fields::RADIUS.description.name, &seeds.r);
     store.set(fields::AXIAL.description.name, &seeds.z);
     store.set(fields::MASS.description.name, &seeds.mass);
-    store.set(fields::DENSITY.description.name, &vec![density; count]);
+    store.set(fields::DENSITY.description.name, &seeds.density);
+    store.set(fields::TOTAL_ENERGY.description.name, &seeds.energy);
     store.set(fields::KERNEL_SCALE.description.name, &vec![1.0; count]);
 }
 
@@ -131,7 +143,7 @@ impl Simulation {
     pub fn new(scene: &Scene, progress: SettleProgress) -> Result<Self, StartError> {
         let physics = Physics::of(scene);
         let seeds = seed(scene)?;
-        let mut simulation = Self::of_seeds(&physics, &seeds, scene.liquid.density)?;
+        let mut simulation = Self::of_seeds(&physics, &seeds)?;
         let settle = scene.settle.unwrap_or(SETTLE);
         if settle > 0.0 && physics.surface_tension > 0.0 {
             let settled = settle_down(scene, &physics, &seeds, settle, progress)?;
@@ -142,10 +154,10 @@ impl Simulation {
         Ok(simulation)
     }
 
-    fn of_seeds(physics: &Physics, seeds: &Seeds, density: f64) -> Result<Self, StartError> {
+    fn of_seeds(physics: &Physics, seeds: &Seeds) -> Result<Self, StartError> {
         let Assembly { wiring, pipeline, plan } = assemble(physics)?;
         let mut store = wiring.allocate(seeds.r.len());
-        place(&mut store, seeds, density);
+        place(&mut store, seeds);
         let world = World::new(store, Clock::default());
         Ok(Simulation { physics: physics.clone(), world, plan, pipeline })
     }
@@ -176,6 +188,11 @@ impl Simulation {
             body.velocity.at(r[i], z[i])
         };
         let (radial, axial): (Vec<f64>, Vec<f64>) = (0..r.len()).map(|i| velocity(i).into()).unzip();
+        // Only an equation of state that needs the energy has a column for it.
+        let kinetic = |i: usize| 0.5 * (radial[i] * radial[i] + axial[i] * axial[i]);
+        let total = |i: usize| seeds.energy[identity[i] as usize] + kinetic(i);
+        let total: Vec<f64> = (0..r.len()).map(total).collect();
+        store.set(fields::TOTAL_ENERGY.description.name, &total);
         store.set(fields::VELOCITY_R.description.name, &radial);
         store.set(fields::VELOCITY_Z.description.name, &axial);
     }
@@ -218,7 +235,7 @@ fn settle_down(
 ) -> Result<Store, StartError> {
     let mut physics = physics.clone();
     physics.method.flux = Flux::FirstOrder;
-    let mut rest = Simulation::of_seeds(&physics, seeds, scene.liquid.density)?;
+    let mut rest = Simulation::of_seeds(&physics, seeds)?;
     rest.begin().map_err(StartError::Settling)?;
     let unit = Simulation::capillary_time(scene);
     while rest.world.clock.time < settle * unit {

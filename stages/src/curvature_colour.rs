@@ -17,8 +17,10 @@ use std::sync::{Arc, Mutex};
 struct Found {
     /// Mean of the two principal curvatures times two, 1/m.
     curvature: f64,
-    /// Unit tangent of the surface at the particle.
+    /// Unit tangent of the surface.
     tangent: [f64; 2],
+    /// The way from the particle to the surface, m.
+    offset: [f64; 2],
 }
 
 /// Settings of the colour-field curvature.
@@ -26,6 +28,8 @@ struct Found {
 pub struct ColourCurvature {
     /// sigma in N/m.
     pub surface_tension: f64,
+    /// Density at rest in kg/m3.
+    pub density: f64,
     /// Support radius of the colour field in particle sizes. At 12 the velocity of a drop at rest falls;
     /// at 10 it creeps up.
     pub support: f64,
@@ -46,7 +50,9 @@ pub struct CurvatureColour {
     surface: Read<u32>,
     pressure: Update<f64>,
     rate: Write<f64>,
+    offset: [Update<f64>; 2],
     slope: Option<[Write<f64>; 2]>,
+    step_bound: f64,
     flagged: Vec<u32>,
     found: Vec<Found>,
     slopes: Vec<[f64; 2]>,
@@ -73,6 +79,8 @@ impl CurvatureColour {
     ) -> Self {
         wiring.stage("curvature");
         let slope = [&fields::LAPLACE_SLOPE_R, &fields::LAPLACE_SLOPE_Z];
+        let offset = [&fields::SURFACE_OFFSET_R, &fields::SURFACE_OFFSET_Z];
+        let (density, size) = (settings.density, 0.5 * packing.largest_size);
         CurvatureColour {
             settings,
             packing,
@@ -82,6 +90,8 @@ impl CurvatureColour {
             surface: wiring.read(&fields::SURFACE),
             pressure: wiring.update(&fields::LAPLACE_PRESSURE),
             rate: wiring.write(&fields::LAPLACE_PRESSURE_RATE),
+            offset: offset.map(|field| wiring.update(field)),
+            step_bound: capillary_bound(settings.surface_tension, density, 0.25 * settings.support * size),
             slope: settings.with_slope.then(|| slope.map(|field| wiring.write(field))),
             flagged: Vec::new(),
             found: Vec::new(),
@@ -95,6 +105,8 @@ impl CurvatureColour {
         let (size, surface) = (world.store.read(self.size), world.store.read(self.surface));
         self.flagged.clear();
         self.flagged.extend((0..r.len() as u32).filter(|&i| surface[i as usize] != INSIDE));
+        let [offset_r, offset_z] = self.offset.map(|field| world.store.write(field));
+        let (offset_r, offset_z) = (&offset_r[..], &offset_z[..]);
         self.found.clear();
         self.found.resize(self.flagged.len(), Found::default());
         let field = self.field.lock().expect("no stage panics while it holds the colour field");
@@ -106,11 +118,13 @@ impl CurvatureColour {
                 let i = particle as usize;
                 let size = size[i].min(packing.largest_size);
                 let known = field.known.binary_search_by_key(&particle, |(known, _)| *known);
-                let here = match known {
-                    Ok(place) => field.known[place].1,
-                    Err(_) => field.at(r[i], z[i], settings.support * size),
+                let offset = [offset_r[i], offset_z[i]];
+                let start = match known {
+                    _ if offset != [0.0; 2] => Start::Foot(offset),
+                    Ok(place) => Start::Particle(field.known[place].1),
+                    Err(_) => Start::Particle(field.at(r[i], z[i], settings.support * size)),
                 };
-                *found = find(field, here, [r[i], z[i]], size, &settings, packing.domain.origin);
+                *found = find(field, start, [r[i], z[i]], size, &settings, packing.domain.origin);
             }
         });
     }
@@ -121,11 +135,15 @@ impl CurvatureColour {
         let mut pressure = world.store.write(self.pressure);
         let mut rate = world.store.write(self.rate);
         rate.fill(0.0);
+        let [mut offset_r, mut offset_z] = self.offset.map(|field| world.store.write(field));
+        offset_r.fill(0.0);
+        offset_z.fill(0.0);
         let before: &[f64] = world.arena.alloc_slice_copy(&pressure);
         pressure.fill(0.0);
         for (&i, found) in self.flagged.iter().zip(&self.found) {
             let i = i as usize;
             pressure[i] = self.settings.surface_tension * found.curvature;
+            [offset_r[i], offset_z[i]] = found.offset;
             if before[i] != 0.0 && elapsed > 0.0 {
                 rate[i] = (pressure[i] - before[i]) / elapsed;
             }
@@ -235,41 +253,68 @@ const MOST_EVALUATIONS: usize = 5;
 /// So close to the surface, in particle sizes, what is left of the way is a parallel shift.
 const CLOSE: f64 = 0.1;
 
-/// From a particle, along grad c, to the surface c = 1/2; the curvature there. The first step takes the
-/// depth from the profile of a flat surface, later ones are Newton's.
+/// Where the search for the surface starts.
+enum Start {
+    /// At the particle, whose colour is known.
+    Particle(Colour),
+    /// Where the surface lay from the particle last time.
+    Foot([f64; 2]),
+}
+
+/// From a particle, along grad c, to the surface c = 1/2; the curvature there. Where the surface was found
+/// before, it is looked for there; else the first step takes the depth from the profile of a flat
+/// surface. Further steps are Newton's.
 fn find(
     field: &ColourField,
-    here: Colour,
+    start: Start,
     at: [f64; 2],
     size: f64,
     settings: &ColourCurvature,
     origin: f64,
 ) -> Found {
     let support = settings.support * size;
-    let length = here.gradient[0].hypot(here.gradient[1]);
+    let steepness = |colour: &Colour| colour.gradient[0].hypot(colour.gradient[1]);
+    let newton = |colour: &Colour| ((0.5 - colour.value) / steepness(colour)).clamp(-size, size);
+    let (mut foot, mut colour, mut inward) = match start {
+        Start::Particle(here) => (at, here, -support * depth((here.value - 0.5).clamp(-0.5, 0.5))),
+        Start::Foot(offset) => {
+            let foot = [at[0] + offset[0], at[1] + offset[1]];
+            let colour = field.at(foot[0], foot[1], support);
+            (foot, colour, newton(&colour))
+        }
+    };
+    let mut evaluations = 1;
+    let at_particle = matches!(start, Start::Particle(_));
+    while (at_particle && evaluations == 1) || (inward.abs() > CLOSE * size && evaluations < MOST_EVALUATIONS)
+    {
+        let step = inward / steepness(&colour);
+        foot = [foot[0] + step * colour.gradient[0], foot[1] + step * colour.gradient[1]];
+        colour = field.at(foot[0], foot[1], support);
+        inward = newton(&colour);
+        evaluations += 1;
+    }
+    let length = steepness(&colour);
     if length.is_nan() || length <= 0.0 {
         return Found::default();
     }
-    let tangent = [-here.gradient[1] / length, here.gradient[0] / length];
-    let first = support * depth((here.value - 0.5).clamp(-0.5, 0.5));
-    let (mut foot, mut colour, mut inward) = (at, here, -first);
-    for _ in 1..MOST_EVALUATIONS {
-        let step = inward / colour.gradient[0].hypot(colour.gradient[1]);
-        foot = [foot[0] + step * colour.gradient[0], foot[1] + step * colour.gradient[1]];
-        colour = field.at(foot[0], foot[1], support);
-        inward = (0.5 - colour.value) / colour.gradient[0].hypot(colour.gradient[1]);
-        if inward.abs() < CLOSE * size {
-            break;
-        }
-        inward = inward.clamp(-size, size);
-    }
+    let [r, z] = colour.gradient.map(|component| component / length);
     // Nothing smaller than a particle is resolved: each curvature stays below 1/D.
     let most = 1.0 / size;
     let limit = |curvature: f64| if curvature.is_finite() { curvature.clamp(-most, most) } else { 0.0 };
     // The level set lies `inward` outside of the surface: parallel surfaces' radii differ by that.
     let [meridional, hoop] = curvatures(&colour, foot[0] + origin, size).map(limit);
     let at_surface = |curvature: f64| limit(curvature / (1.0 - inward * curvature));
-    Found { curvature: at_surface(meridional) + at_surface(hoop), tangent }
+    Found {
+        curvature: at_surface(meridional) + at_surface(hoop),
+        tangent: [-z, r],
+        offset: [foot[0] + inward * r - at[0], foot[1] + inward * z - at[1]],
+    }
+}
+
+/// dt <= .25 sqrt(rho h^3/(2 pi sigma)) (method.md, section 6) with h the length that the curvature
+/// resolves: shorter waves are not driven.
+pub fn capillary_bound(surface_tension: f64, density: f64, length: f64) -> f64 {
+    0.25 * (density * length.powi(3) / (2.0 * std::f64::consts::PI * surface_tension)).sqrt()
 }
 
 /// The principal curvatures of a level set: -(c_rr c_z^2 - 2 c_r c_z c_rz + c_zz c_r^2)/|grad c|^3 and
@@ -288,6 +333,7 @@ impl Stage for CurvatureColour {
     }
 
     fn run(&mut self, world: &mut World) -> Result<(), Fault> {
+        world.clock.limit("surface tension", self.step_bound);
         if !world.clock.step.is_multiple_of(self.settings.interval) {
             return Ok(());
         }

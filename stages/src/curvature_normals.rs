@@ -1,5 +1,6 @@
 //! The paper's curvature: the divergence of normals that are taken with a wider kernel.
 
+use crate::curvature_colour::capillary_bound;
 use crate::equation_of_state::Packing;
 use crate::fields;
 use crate::surface::INSIDE;
@@ -28,11 +29,18 @@ pub struct CurvatureNormals {
     bins: Bins,
     normals: Vec<[f64; 2]>,
     largest: f64,
+    step_bound: f64,
 }
 
 impl CurvatureNormals {
-    /// Writes the Laplace pressure; surface tension in N/m.
-    pub fn new(wiring: &mut Wiring, packing: Packing, surface_tension: f64, normal_theta: f64) -> Self {
+    /// Writes the Laplace pressure; surface tension in N/m, density at rest in kg/m3.
+    pub fn new(
+        wiring: &mut Wiring,
+        packing: Packing,
+        surface_tension: f64,
+        density: f64,
+        normal_theta: f64,
+    ) -> Self {
         wiring.stage("curvature");
         CurvatureNormals {
             surface_tension,
@@ -48,6 +56,7 @@ impl CurvatureNormals {
             bins: Bins::default(),
             normals: Vec::new(),
             largest: 0.0,
+            step_bound: capillary_bound(surface_tension, density, packing.theta * packing.largest_size),
         }
     }
 
@@ -146,6 +155,7 @@ impl Stage for CurvatureNormals {
         let this = &*self;
         let (mut pressure, mut rate) = (world.store.write(self.pressure), world.store.write(self.rate));
         rate.fill(0.0);
+        world.clock.limit("surface tension", self.step_bound);
         parallel::for_chunks(r.len(), &mut pressure[..], |start, pressure| {
             for (k, pressure) in pressure.iter_mut().enumerate() {
                 let a = start + k;

@@ -64,6 +64,20 @@ pub static LAPLACE_PRESSURE_RATE: Real = Field::state(
     "Pa/s",
     "Rate of the Laplace pressure between the last two computations of the curvature.",
 );
+/// The way from the particle to the surface, radial component.
+pub static SURFACE_OFFSET_R: Real = Field::state(
+    "surface_offset_r",
+    "x_s - x",
+    "m",
+    "The way to the surface when the curvature was last computed, radial component; zero inside.",
+);
+/// The way from the particle to the surface, axial component.
+pub static SURFACE_OFFSET_Z: Real = Field::state(
+    "surface_offset_z",
+    "x_s - x",
+    "m",
+    "The way to the surface when the curvature was last computed, axial component; zero inside.",
+);
 /// Gradient of the Laplace pressure along the surface, radial component.
 pub static LAPLACE_SLOPE_R: Real = Field::state(
     "laplace_slope_r",

@@ -8,7 +8,9 @@ use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
 
 use crate::failure::Failure;
-use crate::{inspect, plan, run};
+use crate::study::StudyArguments;
+use crate::verify::VerifyArguments;
+use crate::{inspect, plan, run, study, verify};
 
 const EXIT_CODES: &str = "\
 Exit codes: 0 done; 1 ran but failed; 2 bad input; 130 interrupted after a clean checkpoint.";
@@ -56,6 +58,10 @@ enum Command {
     /// Tell what a run would do, and what it would cost, without writing anything
     #[command(after_help = PLAN_EXAMPLES)]
     Plan(PlanArguments),
+    /// Run the project's cases and compare them with what is exact
+    Verify(VerifyArguments),
+    /// Run a scene at every combination of some settings: error against cost
+    Study(StudyArguments),
     /// Look into checkpoints, verify or compare them
     Inspect(inspect::Arguments),
     /// Print completions for a shell
@@ -144,6 +150,8 @@ pub fn main() -> ExitCode {
         Command::Run(arguments) => run::run(&arguments),
         Command::Resume(arguments) => run::resume(&arguments),
         Command::Plan(arguments) => plan::plan(&arguments),
+        Command::Verify(arguments) => verify::verify(&arguments),
+        Command::Study(arguments) => study::study(&arguments),
         Command::Inspect(arguments) => Ok(inspect::run(&arguments)),
         Command::Completions { shell } => {
             let mut command = Arguments::command();

@@ -1,4 +1,5 @@
-//! What the command line offers, as a library: runs and their outputs, plans, inspection of checkpoints.
+//! What the command line offers, as a library: runs and their outputs, plans, verification,
+//! studies, inspection of checkpoints.
 
 pub mod command;
 mod failure;
@@ -6,3 +7,5 @@ pub mod inspect;
 pub mod output;
 mod plan;
 mod run;
+mod study;
+mod verify;

@@ -1,9 +1,11 @@
 //! What a whole run has measured, against what is exact.
 
+use super::columns::{columns_of, numbered, with_index};
 use super::exact::Drop;
 use super::fit::{self, Oscillation};
 use super::history::History;
-use super::observe::{column_of, numbered, with_index};
+use super::spheroid::Spheroid;
+use super::{film, flow, jet};
 use crate::scene::{Measure, Scene};
 use std::f64::consts::PI;
 
@@ -32,7 +34,7 @@ impl Outcome {
         Some((self.value - reference) / reference).filter(|error| error.is_finite())
     }
 
-    fn of(name: String, value: Option<f64>, unit: &'static str) -> Self {
+    pub(super) fn of(name: String, value: Option<f64>, unit: &'static str) -> Self {
         let doubt = format!("`{name}` cannot be told: the run is too short");
         Outcome {
             name,
@@ -43,7 +45,7 @@ impl Outcome {
         }
     }
 
-    fn against(mut self, reference: f64) -> Self {
+    pub(super) fn against(mut self, reference: f64) -> Self {
         self.reference = Some(reference);
         self
     }
@@ -52,7 +54,8 @@ impl Outcome {
 /// Everything that the scene's measures say about a run.
 pub fn evaluate(scene: &Scene, history: &History) -> Vec<Outcome> {
     let outcomes = with_index(&scene.measures).map(|(measure, index)| {
-        let column = column_of(measure, index);
+        let columns: Vec<String> = columns_of(measure, index).into_iter().map(|column| column.name).collect();
+        let column = columns.first().cloned().unwrap_or_default();
         match *measure {
             Measure::LaplacePressure { radius, .. } => {
                 let name = numbered("laplace-pressure", index);
@@ -89,9 +92,68 @@ pub fn evaluate(scene: &Scene, history: &History) -> Vec<Outcome> {
                 }
                 outcomes
             }
+            Measure::GrowthRate { wavenumber, radius } => {
+                let sizes = (wavenumber, radius, scene.particle_size);
+                jet::evaluate(history, &columns, &scene.liquid, sizes)
+            }
+            Measure::FilmRetraction { thickness } => {
+                film::evaluate(history, &columns, &scene.liquid, thickness)
+            }
+            Measure::MomentumDrift => vec![momentum_drift(history)],
+            Measure::EnergyDrift => vec![energy_drift(scene, history)],
+            Measure::SemiAxis { radial, axial, shear, stiffness } => {
+                let start = Spheroid { radial, axial, shear, stiffness };
+                flow::evaluate_semi_axes(history, &columns, start)
+            }
+            Measure::PlateauDensity { dimensions, .. } => {
+                flow::evaluate_plateau(history, &columns, &scene.liquid, dimensions)
+            }
+            Measure::ShockSpeed { speed, length } => {
+                flow::evaluate_shock(history, &columns, &scene.liquid, (speed, length))
+            }
         }
     });
     outcomes.flatten().collect()
+}
+
+/// Largest distance of a series from its first value.
+fn largest_change(values: &[f64]) -> Option<f64> {
+    let first = *values.first()?;
+    values.get(1)?;
+    Some(values.iter().fold(0.0, |most: f64, value| most.max((value - first).abs())))
+}
+
+/// Largest change of the axial momentum over the sum of its magnitudes at the start.
+fn momentum_drift(history: &History) -> Outcome {
+    let scale = history.of("momentum scale").first().copied().filter(|scale| *scale > 0.0);
+    let drift = largest_change(&history.of("momentum z")).zip(scale).map(|(change, scale)| change / scale);
+    Outcome::of("momentum-drift".to_owned(), drift, "1").against(0.0)
+}
+
+/// Largest change of the energy over the kinetic energy at the start.
+fn energy_drift(scene: &Scene, history: &History) -> Outcome {
+    let (name, scale) = ("energy-drift".to_owned(), history.of("kinetic energy").first().copied());
+    let Some(energy) = energies(scene, history) else {
+        let doubt = "the energy of the surface is not known: there is no `energy-drift`";
+        let outcome = Outcome::of(name, None, "1").against(0.0);
+        return Outcome { doubt: Some(doubt.to_owned()), ..outcome };
+    };
+    let drift = largest_change(&energy).zip(scale.filter(|scale| *scale > 0.0));
+    Outcome::of(name, drift.map(|(change, scale)| change / scale), "1").against(0.0)
+}
+
+/// Kinetic, internal and surface energy; `None` where surface tension acts on a liquid whose surface is not
+/// known.
+fn energies(scene: &Scene, history: &History) -> Option<Vec<f64>> {
+    let mut energy = history.of("kinetic energy");
+    let mut parts = vec![history.of("internal energy")];
+    if scene.liquid.surface_tension > 0.0 {
+        parts.push(history.of("surface energy"));
+    }
+    for part in &parts {
+        energy.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
+    }
+    parts.iter().all(|part| part.len() == energy.len()).then_some(energy)
 }
 
 fn moves(history: &History) -> bool {
@@ -115,16 +177,8 @@ pub fn conservation(scene: &Scene, history: &History) -> [f64; 3] {
     let scale = scale.iter().fold(0.0f64, |most, value| most.max(*value));
     let (momentum, _) = change(&history.of("momentum z"));
     let momentum = if momentum == 0.0 { 0.0 } else { momentum / scale };
-    let mut energy = history.of("kinetic energy");
-    let mut parts = vec![history.of("compression energy")];
-    if scene.liquid.surface_tension > 0.0 {
-        parts.push(history.of("surface energy"));
-    }
-    let known = parts.iter().all(|part| part.len() == energy.len());
-    for part in &parts {
-        energy.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
-    }
-    let (energy, energy_scale) = change(&energy);
+    let energy = energies(scene, history).map(|energy| change(&energy));
+    let energy = energy.map_or(f64::NAN, |(change, scale)| change / scale);
     let (mass, mass_scale) = change(&history.of("mass"));
-    [momentum, if known { energy / energy_scale } else { f64::NAN }, mass / mass_scale]
+    [momentum, energy, mass / mass_scale]
 }

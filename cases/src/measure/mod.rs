@@ -1,14 +1,22 @@
 //! What a run is measured by: observations on the way, fits at the end, exact solutions to compare with.
 
+mod columns;
 mod evaluate;
 pub mod exact;
+mod film;
 pub mod fit;
+mod flow;
+pub mod growth;
 mod history;
+mod jet;
 mod observe;
+pub mod spheroid;
 mod surface;
 #[cfg(test)]
 mod tests;
 
+pub use columns::{columns_of, numbered, with_index};
 pub use evaluate::{Outcome, conservation, evaluate, oscillation_fit};
 pub use history::History;
-pub use observe::{Observer, Quantity, numbered};
+pub use jet::rayleigh_growth_rate;
+pub use observe::{Observer, Quantity};

@@ -1,7 +1,9 @@
 //! What is observed of a run on its way: energies, momentum, extents, and what the scene's measures need.
 
+use super::columns::{columns_of, with_index};
 use super::exact::Drop;
 use super::surface::Surface;
+use super::{film, flow, jet};
 use crate::assemble::Physics;
 use crate::scene::legendre;
 use crate::scene::{Liquid, Measure, Scene};
@@ -38,7 +40,7 @@ const GENERAL: [(&str, &str); 12] = [
     ("momentum z", "kg m/s"),
     ("momentum scale", "kg m/s"),
     ("kinetic energy", "J"),
-    ("compression energy", "J"),
+    ("internal energy", "J"),
     ("rms velocity", "m/s"),
     ("largest r", "m"),
     ("smallest z", "m"),
@@ -46,40 +48,23 @@ const GENERAL: [(&str, &str); 12] = [
     ("largest speed", "m/s"),
 ];
 
-/// The name of the `index`-th of several equal ones: the first one stays plain.
-pub fn numbered(name: &str, index: usize) -> String {
-    match index {
-        0 => name.to_owned(),
-        _ => format!("{name}-{}", index + 1),
-    }
-}
-
-/// Every measure with the number of those of its kind before it.
-pub(super) fn with_index(measures: &[Measure]) -> impl Iterator<Item = (&Measure, usize)> {
-    measures.iter().enumerate().map(|(k, measure)| {
-        let kind = std::mem::discriminant(measure);
-        let before = measures[..k].iter();
-        let same = before.filter(|other| std::mem::discriminant(*other) == kind);
-        (measure, same.count())
-    })
-}
-
-/// Name of the column that a measure is made from.
-pub(super) fn column_of(measure: &Measure, index: usize) -> String {
-    match measure {
-        Measure::LaplacePressure { .. } => numbered("core pressure", index),
-        Measure::Oscillation { .. } => numbered("mode amplitude", index),
-        Measure::SpuriousVelocity { .. } => numbered("spurious velocity", index),
-    }
-}
-
 /// The particles' columns that observations need.
 pub(super) struct Particles<'a> {
     pub(super) r: &'a [f64],
     pub(super) z: &'a [f64],
     pub(super) mass: &'a [f64],
     pub(super) density: &'a [f64],
-    velocity: [&'a [f64]; 2],
+    pub(super) velocity: [&'a [f64]; 2],
+    /// Specific kinetic and internal energy, where the pressure depends on it.
+    energy: Option<&'a [f64]>,
+}
+
+impl Particles<'_> {
+    /// Specific internal energy in J/kg; 0 where the pressure does not depend on it.
+    pub(super) fn internal_energy(&self, i: usize) -> f64 {
+        let [u, w] = self.velocity.map(|velocity| velocity[i]);
+        self.energy.map_or(0.0, |energy| energy[i] - 0.5 * (u * u + w * w))
+    }
 }
 
 impl Observer {
@@ -101,13 +86,7 @@ impl Observer {
         if self.surface.is_some() {
             quantities.push(Quantity { name: "surface energy".to_owned(), unit: "J" });
         }
-        quantities.extend(with_index(&self.measures).map(|(measure, index)| Quantity {
-            name: column_of(measure, index),
-            unit: match measure {
-                Measure::LaplacePressure { .. } => "Pa",
-                _ => "1",
-            },
-        }));
+        quantities.extend(with_index(&self.measures).flat_map(|(measure, index)| columns_of(measure, index)));
         quantities
     }
 
@@ -121,18 +100,20 @@ impl Observer {
         let (r, z) = (column(&fields::RADIUS), column(&fields::AXIAL));
         let (mass, density) = (column(&fields::MASS), column(&fields::DENSITY));
         let velocity = (column(&fields::VELOCITY_R), column(&fields::VELOCITY_Z));
+        let velocity: [&[f64]; 2] = [&velocity.0, &velocity.1];
+        let energy = store.by_name::<f64>(fields::TOTAL_ENERGY.description.name);
         let particles =
-            Particles { r: &r, z: &z, mass: &mass, density: &density, velocity: [&velocity.0, &velocity.1] };
+            Particles { r: &r, z: &z, mass: &mass, density: &density, velocity, energy: energy.as_deref() };
         let clock = &simulation.world.clock;
         let mut row = vec![clock.time, clock.previous_step_size];
         self.observe_motion(&particles, &mut row);
-        let rms = row[7];
-        let of_measures: Vec<f64> =
-            self.measures.iter().map(|measure| self.observe_measure(&particles, measure, rms)).collect();
+        let (time, rms) = (clock.time, row[7]);
+        let observe = |measure| self.observe_measure(&particles, measure, (time, rms));
+        let of_measures: Vec<Vec<f64>> = self.measures.iter().map(observe).collect();
         if let Some(surface) = &self.surface {
             row.push(surface.energy(&particles, &self.measures, &of_measures));
         }
-        row.extend(of_measures);
+        row.extend(of_measures.into_iter().flatten());
         row
     }
 
@@ -148,7 +129,7 @@ impl Observer {
             momentum += m * w[i];
             scale += (m * w[i]).abs();
             kinetic += 0.5 * m * square;
-            compression += m * self.compression_energy(particles.density[i]);
+            compression += m * self.stored_energy(particles, i);
             fastest = fastest.max(square);
             let (r, z) = (particles.r[i], particles.z[i]);
             extents = [extents[0].max(r), extents[1].min(z), extents[2].max(z)];
@@ -157,6 +138,14 @@ impl Observer {
         row.extend([mass, momentum, scale, kinetic, compression, rms]);
         row.extend(extents);
         row.push(fastest.sqrt());
+    }
+
+    /// Specific internal energy in J/kg, or what compression alone has stored.
+    fn stored_energy(&self, particles: &Particles, i: usize) -> f64 {
+        match particles.energy {
+            Some(_) => particles.internal_energy(i),
+            None => self.compression_energy(particles.density[i]),
+        }
     }
 
     /// The integral of P/rho^2 over the density from that at rest, in J/kg.
@@ -181,7 +170,7 @@ impl Observer {
         if mass > 0.0 { sum / mass } else { centre }
     }
 
-    fn observe_measure(&self, particles: &Particles, measure: &Measure, rms: f64) -> f64 {
+    fn observe_measure(&self, particles: &Particles, measure: &Measure, (time, rms): (f64, f64)) -> Vec<f64> {
         let place = |i: usize, centre: f64| {
             let (r, z) = (particles.r[i] + self.origin, particles.z[i] - centre);
             (r.hypot(z), z)
@@ -193,10 +182,11 @@ impl Observer {
                 let (sum, mass) = inside.fold((0.0, 0.0), |(sum, mass), i| {
                     let m = particles.mass[i];
                     // The whole pressure, whatever part of it the forces leave out.
-                    let pressure = self.physics.equation.pressure(particles.density[i], 0.0);
+                    let energy = particles.internal_energy(i);
+                    let pressure = self.physics.equation.pressure(particles.density[i], energy);
                     (sum + m * pressure, mass + m)
                 });
-                sum / mass
+                vec![sum / mass]
             }
             Measure::Oscillation { mode, radius, centre } => {
                 let centre = self.centre_of_mass(particles, centre, 2.0 * radius);
@@ -210,9 +200,23 @@ impl Observer {
                     let m = particles.mass[i];
                     (sum + m * harmonic, mass + m)
                 });
-                sum / mass
+                vec![sum / mass]
             }
-            Measure::SpuriousVelocity { radius } => rms / Drop::of(&self.liquid, radius).capillary_velocity(),
+            Measure::SpuriousVelocity { radius } => {
+                vec![rms / Drop::of(&self.liquid, radius).capillary_velocity()]
+            }
+            Measure::GrowthRate { wavenumber, radius } => {
+                jet::observe(particles, &self.physics, wavenumber, radius)
+            }
+            Measure::FilmRetraction { thickness } => film::observe(particles, &self.physics, thickness),
+            Measure::MomentumDrift | Measure::EnergyDrift => Vec::new(),
+            Measure::SemiAxis { .. } => flow::observe_semi_axes(particles),
+            Measure::PlateauDensity { dimensions, speed } => {
+                flow::observe_plateau(particles, &self.physics, &self.liquid, (dimensions, speed, time))
+            }
+            Measure::ShockSpeed { speed, length } => {
+                flow::observe_shock(particles, &self.physics, speed, length)
+            }
         }
     }
 }

@@ -19,19 +19,19 @@ impl Surface {
             && scene.liquid.surface_tension > 0.0;
         let radius = scene.measures.iter().find_map(|measure| match measure {
             Measure::LaplacePressure { radius, .. } | Measure::Oscillation { radius, .. } => Some(*radius),
-            Measure::SpuriousVelocity { .. } => None,
+            _ => None,
         });
         radius.filter(|_| alone).map(|radius| Surface { drop: Drop::of(&scene.liquid, radius) })
     }
 
     /// Energy in J of the sphere of the liquid's volume, and of the measured deformations of it.
-    pub(super) fn energy(&self, particles: &Particles, measures: &[Measure], amplitudes: &[f64]) -> f64 {
+    pub(super) fn energy(&self, particles: &Particles, measures: &[Measure], amplitudes: &[Vec<f64>]) -> f64 {
         let volumes = particles.mass.iter().zip(particles.density);
         let volume: f64 = volumes.map(|(mass, density)| mass / density).sum();
         let sphere = (36.0 * PI * volume * volume).cbrt();
-        let deformation = |(measure, amplitude): (&Measure, &f64)| match *measure {
+        let deformation = |(measure, amplitude): (&Measure, &Vec<f64>)| match *measure {
             Measure::Oscillation { mode, .. } => {
-                self.drop.deformation_energy(mode, deformation(mode, *amplitude))
+                self.drop.deformation_energy(mode, deformation(mode, amplitude[0]))
             }
             _ => 0.0,
         };

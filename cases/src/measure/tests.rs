@@ -1,7 +1,7 @@
 use super::exact::Drop;
 use super::fit;
 use super::*;
-use crate::scene::parse;
+use crate::scene::{EquationOfState, Liquid, parse};
 use std::f64::consts::PI;
 
 const WATER: Drop = Drop { radius: 2.5e-6, density: 1000.0, surface_tension: 0.074 };
@@ -115,4 +115,28 @@ fn means_are_taken_over_the_right_part() {
     assert!((named("spurious-velocity").value - 0.05).abs() < 1e-9);
     assert!((named("spurious-velocity-start").value - 0.95).abs() < 1e-9);
     assert_eq!(named("spurious-velocity").relative_error(), None);
+}
+
+#[test]
+fn growth_is_recovered() {
+    let liquid = Liquid {
+        density: 1.0,
+        surface_tension: 1.0,
+        sound_speed: None,
+        equation_of_state: EquationOfState::Linear,
+    };
+    let exact = rayleigh_growth_rate(&liquid, 0.2 * PI, 1.0).unwrap();
+    assert!((exact - 0.33754).abs() < 5e-6, "{exact}");
+    assert!((rayleigh_growth_rate(&liquid, 0.697, 1.0).unwrap() - 0.34334).abs() < 5e-6);
+    assert!(rayleigh_growth_rate(&liquid, 1.1, 1.0).is_none());
+    let times: Vec<f64> = (0..90).map(|k| 3.0 + 0.05 * f64::from(k)).collect();
+    for factor in [0.8, 1.0, 1.05] {
+        let q = factor * exact;
+        let values: Vec<f64> = times.iter().map(|t| 0.01 * (q * t).sinh() + 0.002 * (q * t).cosh()).collect();
+        let fit = growth::fit(&times, &values, exact).unwrap();
+        assert!((fit / q - 1.0).abs() < 1e-8, "{factor}: {fit} {q}");
+    }
+    assert!(growth::fit(&times[..5], &times[..5], exact).is_none());
+    let line: Vec<f64> = times.iter().map(|t| 2.0 - 0.7 * t).collect();
+    assert!((growth::slope(&times, &line).unwrap() + 0.7).abs() < 1e-12);
 }

@@ -1,9 +1,9 @@
-//! Bodies of liquid: their shapes and initial velocities.
+//! Bodies of liquid: their shapes and initial states.
 
 use super::diagnosis::Fault;
 use super::entry::Entry;
 use super::formula::Formula;
-use super::quantity::VELOCITY;
+use super::quantity::{DENSITY, Kind, SPECIFIC_ENERGY, VELOCITY};
 use super::section::Section;
 use super::shapes;
 use crate::region::Region;
@@ -16,6 +16,10 @@ pub struct Body {
     pub shape: Shape,
     /// How it moves at first.
     pub velocity: VelocityField,
+    /// Density at the start in kg/m3; `None` for the liquid's at rest.
+    pub density: Option<f64>,
+    /// Specific internal energy at the start in J/kg.
+    pub internal_energy: Formula,
 }
 
 /// An initial velocity.
@@ -43,7 +47,7 @@ pub(super) const SAMPLES: usize = 64;
 /// Reads a body; `origin` is the radius of the scene's r = 0. Also hands back the entry of its
 /// shape, for later mistakes.
 pub(super) fn read<'a>(entry: Entry<'a>, origin: f64) -> Result<(Body, Entry<'a>), Fault> {
-    let table = Section::new(entry, &["shape", "velocity"])?;
+    let table = Section::new(entry, &["shape", "velocity", "density", "internal_energy"])?;
     let place = table.required("shape", "shape = { sphere = { radius = \"2.5 um\" } }")?;
     let shape = shapes::read(place.clone(), origin)?;
     if shape.bounds()[0] < -origin {
@@ -51,22 +55,29 @@ pub(super) fn read<'a>(entry: Entry<'a>, origin: f64) -> Result<(Body, Entry<'a>
         return Err(place.fault(message, "keep its r above minus the `origin` of [domain]"));
     }
     let velocity = table.read_or("velocity", VelocityField::rest(), |entry| read_velocity(entry, &shape))?;
-    Ok((Body { shape, velocity }, place))
+    let density = table.read_or("density", None, |entry| entry.positive(DENSITY).map(Some))?;
+    let internal_energy = table.read_or("internal_energy", Formula::zero(), |entry| {
+        entry.context.check_finite()?;
+        finite_field(&entry, SPECIFIC_ENERGY, &shape)
+    })?;
+    Ok((Body { shape, velocity, density, internal_energy }, place))
 }
 
 fn read_velocity(entry: Entry<'_>, shape: &Shape) -> Result<VelocityField, Fault> {
     entry.context.check_finite()?;
     let table = Section::new(entry, &["r", "z"])?;
-    let component = |key: &str| {
-        table.read_or(key, Formula::zero(), |entry| {
-            let formula = entry.field(Some(VELOCITY))?;
-            match shape.interior_points(SAMPLES).find(|[r, z]| !formula.at(*r, *z).is_finite()) {
-                None => Ok(formula),
-                Some(point) => Err(not_finite(&entry, &formula, point)),
-            }
-        })
-    };
+    let component =
+        |key: &str| table.read_or(key, Formula::zero(), |entry| finite_field(&entry, VELOCITY, shape));
     Ok(VelocityField { radial: component("r")?, axial: component("z")? })
+}
+
+/// A field that has a value everywhere in a shape.
+fn finite_field(entry: &Entry<'_>, kind: Kind, shape: &Shape) -> Result<Formula, Fault> {
+    let formula = entry.field(Some(kind))?;
+    match shape.interior_points(SAMPLES).find(|[r, z]| !formula.at(*r, *z).is_finite()) {
+        None => Ok(formula),
+        Some(point) => Err(not_finite(entry, &formula, point)),
+    }
 }
 
 /// The mistake that a field has no value at a point.

@@ -3,7 +3,7 @@
 use super::diagnosis::Fault;
 use super::entry::Entry;
 use super::quantity::Short;
-use super::{Body, Scene};
+use super::{Body, EquationOfState, Scene};
 use crate::region::Region;
 
 /// Where the parts stand that may be to blame.
@@ -91,6 +91,10 @@ fn common_point(first: &Body, second: &Body) -> Option<[f64; 2]> {
 }
 
 fn check_sound_speed(scene: &Scene, place: &Entry<'_>) -> Result<Vec<Fault>, Fault> {
+    if scene.liquid.equation_of_state != EquationOfState::Linear {
+        // Shocks compress, and a gas knows its own speed.
+        return Ok(Vec::new());
+    }
     let (flow, capillary) = (scene.fastest_initial_speed(), scene.capillary_velocity());
     let help = "give [liquid] a sound_speed, at least ten times the fastest motion you expect";
     match scene.liquid.sound_speed {

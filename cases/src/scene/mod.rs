@@ -12,6 +12,8 @@ mod entry;
 mod expression;
 mod formula;
 mod functions;
+mod liquid;
+mod measures;
 mod method;
 mod output;
 mod parameters;
@@ -35,8 +37,10 @@ pub use choices::{AxisTreatment, Curvature, Flux, ReferencePressure, Scheme, Tim
 pub use diagnosis::Diagnosis;
 pub use formula::Formula;
 pub(crate) use functions::legendre;
+pub use liquid::{EquationOfState, Liquid};
+pub use measures::Measure;
 pub use method::Method;
-pub use output::{Measure, Output};
+pub use output::Output;
 pub use quantity::{Dimension, Quantity};
 pub use values::Choice;
 
@@ -71,6 +75,8 @@ pub struct Scene {
     pub steps: Option<u64>,
     /// Where the scene lies.
     pub domain: Domain,
+    /// B^2 in 1/s2 of a force -rho B^2 x towards the scene's r = -origin, z = 0; 0 for none.
+    pub central_force: f64,
     /// Numerical choices.
     pub method: Method,
     /// What the run writes.
@@ -88,30 +94,6 @@ pub struct Parameter {
     pub name: String,
     /// Its value; `None` for "auto".
     pub value: Option<Quantity>,
-}
-
-/// A liquid.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Liquid {
-    /// Density at rest in kg/m³.
-    pub density: f64,
-    /// Surface tension in N/m; 0 for none.
-    pub surface_tension: f64,
-    /// Speed of sound in m/s; `None` to derive it from the scene.
-    pub sound_speed: Option<f64>,
-    /// Pressure as a function of density.
-    pub equation_of_state: EquationOfState,
-}
-
-/// Pressure as a function of density.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum EquationOfState {
-    /// Sound speed squared times the excess of density.
-    Linear,
-}
-
-impl Choice for EquationOfState {
-    const NAMES: &'static [(&'static str, Self)] = &[("linear", Self::Linear)];
 }
 
 /// Where a scene lies.
@@ -171,9 +153,22 @@ impl Scene {
     }
 
     /// The given sound speed in m/s, or ten times the fastest motion the scene can expect: the
-    /// initial one, or the root of eight times the capillary velocity.
+    /// initial one, or the root of eight times the capillary velocity; never below that of its gas.
     pub fn derived_sound_speed(&self) -> f64 {
         let fastest = || self.fastest_initial_speed().max(8.0_f64.sqrt() * self.capillary_velocity());
-        self.liquid.sound_speed.unwrap_or_else(|| 10.0 * fastest())
+        self.liquid.sound_speed.unwrap_or_else(|| self.gas_sound_speed().max(10.0 * fastest()))
+    }
+
+    /// Highest speed of sound in m/s of an ideal gas at the start; 0 for a liquid.
+    fn gas_sound_speed(&self) -> f64 {
+        let EquationOfState::IdealGas { heat_ratio } = self.liquid.equation_of_state else {
+            return 0.0;
+        };
+        let hottest = |body: &Body| {
+            let points = body.shape.interior_points(body::SAMPLES);
+            points.map(|[r, z]| body.internal_energy.at(r, z)).fold(0.0, f64::max)
+        };
+        let energy = self.bodies.iter().map(hottest).fold(0.0, f64::max);
+        (heat_ratio * (heat_ratio - 1.0) * energy).sqrt()
     }
 }

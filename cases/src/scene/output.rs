@@ -1,8 +1,7 @@
-//! What a run writes, and what it compares with exact solutions.
+//! What a run writes.
 
 use super::diagnosis::Fault;
 use super::entry::Entry;
-use super::quantity::{Kind, LENGTH, NUMBER};
 use super::section::Section;
 
 /// What a run writes.
@@ -47,59 +46,6 @@ impl Output {
             colour_by: table.read_or("colour_by", base.colour_by, |entry| entry.text().map(str::to_owned))?,
             picture: table.read_or("picture", base.picture, |entry| entry.flag())?,
             paraview: table.read_or("paraview", base.paraview, |entry| entry.flag())?,
-        })
-    }
-}
-
-/// What is compared with an exact solution at the end of a run. Lengths in metres.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Measure {
-    /// The pressure inside a drop at rest.
-    LaplacePressure {
-        /// Radius of the drop.
-        radius: f64,
-        /// Height z of its centre.
-        centre: f64,
-    },
-    /// The period of an oscillating drop.
-    Oscillation {
-        /// Degree of the Legendre polynomial, at least 2.
-        mode: u32,
-        /// Radius of the sphere it oscillates about.
-        radius: f64,
-        /// Height z of its centre.
-        centre: f64,
-    },
-    /// The speed of a drop that should rest.
-    SpuriousVelocity {
-        /// Radius of the drop.
-        radius: f64,
-    },
-}
-
-impl Measure {
-    pub(super) fn read(entry: Entry<'_>) -> Result<Self, Fault> {
-        const EXAMPLE: &str = "laplace-pressure = { radius = \"2.5 um\" }";
-        let entry = entry.variant(&["laplace-pressure", "oscillation", "spurious-velocity"], EXAMPLE)?;
-        let kind = entry.key().to_owned();
-        let keys: &[&str] = match kind.as_str() {
-            "oscillation" => &["mode", "radius", "centre"],
-            "laplace-pressure" => &["radius", "centre"],
-            _ => &["radius"],
-        };
-        let table = Section::new(entry, keys)?;
-        let radius = table.required("radius", "radius = \"2.5 um\"")?.positive(LENGTH)?;
-        let centre = table.read_or("centre", 0.0, |entry| entry.quantity(LENGTH))?;
-        Ok(match kind.as_str() {
-            "oscillation" => {
-                let mode = table.required("mode", "mode = 2")?;
-                let rule = |value: f64| value.fract() == 0.0 && (2.0..=1000.0).contains(&value);
-                let number = Kind { example: "2", ..NUMBER };
-                let mode = mode.checked(number, "must be a whole number from 2 to 1000", rule)?;
-                Measure::Oscillation { mode: mode as u32, radius, centre }
-            }
-            "laplace-pressure" => Measure::LaplacePressure { radius, centre },
-            _ => Measure::SpuriousVelocity { radius },
         })
     }
 }

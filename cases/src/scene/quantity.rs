@@ -46,7 +46,7 @@ impl Dimension {
 
     /// What a quantity of this dimension is, with its article: "a length".
     pub(super) fn described(self) -> String {
-        const NAMES: [(Dimension, &str); 12] = [
+        const NAMES: [(Dimension, &str); 13] = [
             (Dimension::NONE, "a number without unit"),
             (Dimension::new(1, 0, 0), "a length"),
             (Dimension::new(2, 0, 0), "an area"),
@@ -56,6 +56,7 @@ impl Dimension {
             (Dimension::new(0, 0, -1), "a rate"),
             (Dimension::new(1, 0, -1), "a velocity"),
             (Dimension::new(1, 0, -2), "an acceleration"),
+            (Dimension::new(2, 0, -2), "an energy per mass"),
             (Dimension::new(-3, 1, 0), "a density"),
             (Dimension::new(0, 1, -2), "a surface tension"),
             (Dimension::new(-1, 1, -2), "a pressure"),
@@ -131,5 +132,10 @@ pub(super) const DENSITY: Kind =
     Kind { name: "a density", dimension: Dimension::new(-3, 1, 0), example: "1000 kg/m3" };
 pub(super) const SURFACE_TENSION: Kind =
     Kind { name: "a surface tension", dimension: Dimension::new(0, 1, -2), example: "0.074 N/m" };
+pub(super) const SPECIFIC_ENERGY: Kind =
+    Kind { name: "an energy per mass", dimension: Dimension::new(2, 0, -2), example: "100 J/kg" };
+pub(super) const RATE: Kind = Kind { name: "a rate", dimension: Dimension::new(0, 0, -1), example: "1 Hz" };
+pub(super) const SQUARED_RATE: Kind =
+    Kind { name: "a squared rate", dimension: Dimension::new(0, 0, -2), example: "1 Hz^2" };
 pub(super) const NUMBER: Kind =
     Kind { name: "a number without unit", dimension: Dimension::NONE, example: "0.5" };

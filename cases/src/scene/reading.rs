@@ -3,17 +3,18 @@
 use super::checks;
 use super::diagnosis::Fault;
 use super::entry::Entry;
+use super::measures::Measure;
 use super::method::Method;
-use super::output::{Measure, Output};
+use super::output::Output;
 use super::parameters::Context;
-use super::quantity::{DENSITY, LENGTH, NUMBER, SURFACE_TENSION, TIME, VELOCITY};
+use super::quantity::{LENGTH, NUMBER, SQUARED_RATE, TIME};
 use super::section::Section;
 use super::source::syntax;
-use super::{Domain, EquationOfState, Liquid, Scene, body};
+use super::{Domain, Scene, body, liquid};
 use std::path::Path;
 use toml_edit::{Document, Item};
 
-const KEYS: [&str; 12] = [
+const KEYS: [&str; 13] = [
     "format",
     "title",
     "paper",
@@ -23,6 +24,7 @@ const KEYS: [&str; 12] = [
     "particles",
     "run",
     "domain",
+    "forces",
     "method",
     "output",
     "measure",
@@ -44,7 +46,8 @@ pub(super) fn scene(name: &str, text: &str) -> Result<(Scene, Vec<Fault>), Fault
         Path::new(name).file_stem().map_or(name.to_owned(), |stem| stem.to_string_lossy().into_owned());
     let title = table.read_or("title", stem, |entry| entry.text().map(str::to_owned))?;
     let paper = table.read_or("paper", false, |entry| entry.flag())?;
-    let (liquid, sound_speed) = liquid(table.required("liquid", "[liquid] with density = \"1000 kg/m3\"")?)?;
+    let (liquid, sound_speed) =
+        liquid::read(table.required("liquid", "[liquid] with density = \"1000 kg/m3\"")?)?;
     let domain = table.read_or("domain", Domain { origin: 0.0, period: None }, domain)?;
     let bodies = table
         .required("body", "[[body]] with shape = { sphere = { radius = \"2.5 um\" } }")?
@@ -71,6 +74,7 @@ pub(super) fn scene(name: &str, text: &str) -> Result<(Scene, Vec<Fault>), Fault
         settle: particles.read_or("settle", None, |entry| entry.not_negative(NUMBER).map(Some))?,
         until: run.required("until", "until = \"3 us\"")?.positive(TIME)?,
         steps: run.read_or("steps", None, |entry| entry.count(1).map(Some))?,
+        central_force: table.read_or("forces", 0.0, forces)?,
         method: table.read_or("method", base.clone(), |entry| Method::read(entry, base))?,
         output: table.read_or("output", Output::defaults(), Output::read)?,
         measures: table.read_or("measure", Vec::new(), |entry| {
@@ -105,23 +109,10 @@ fn check_format(root: &toml_edit::Table) -> Result<(), Fault> {
     }
 }
 
-fn liquid(entry: Entry<'_>) -> Result<(Liquid, Entry<'_>), Fault> {
-    let whole = entry.clone();
-    let table = Section::new(entry, &["density", "surface_tension", "sound_speed", "equation_of_state"])?;
-    let sound_speed = table.optional("sound_speed");
-    let given = match &sound_speed {
-        Some(entry) if !entry.is_auto() => Some(entry.positive(VELOCITY)?),
-        _ => None,
-    };
-    let liquid = Liquid {
-        density: table.required("density", "density = \"1000 kg/m3\"")?.positive(DENSITY)?,
-        surface_tension: table
-            .read_or("surface_tension", 0.0, |entry| entry.not_negative(SURFACE_TENSION))?,
-        sound_speed: given,
-        equation_of_state: table
-            .read_or("equation_of_state", EquationOfState::Linear, |entry| entry.choice())?,
-    };
-    Ok((liquid, sound_speed.unwrap_or(whole)))
+/// B^2 of the central force.
+fn forces(entry: Entry<'_>) -> Result<f64, Fault> {
+    let table = Section::new(entry, &["central"])?;
+    table.read_or("central", 0.0, |entry| entry.not_negative(SQUARED_RATE))
 }
 
 fn domain(entry: Entry<'_>) -> Result<Domain, Fault> {

@@ -16,7 +16,7 @@
 //! the archives, then meaning: unique names and equal lengths. What values make sense (a radius is
 //! not negative, say) only the caller knows.
 //!
-//! Files are never changed in place: [`write`] fills a temporary file beside the target, flushes it
+//! Files are never changed in place: [`write()`] fills a temporary file beside the target, flushes it
 //! to the disk and renames it.
 
 mod contents;

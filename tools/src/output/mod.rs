@@ -10,11 +10,13 @@ mod axis;
 mod canvas;
 mod error;
 
+pub mod chart;
 pub mod colour;
 pub mod folder;
 pub mod picture;
 pub mod plot;
 pub mod progress;
+pub mod report;
 pub mod series;
 pub mod summary;
 pub mod units;

@@ -20,6 +20,7 @@ pub struct Progress {
     shown: Instant,
     shown_fraction: f64,
     what: String,
+    later: f64,
     display: Display,
 }
 
@@ -49,6 +50,12 @@ impl Progress {
         Self::with(total_time, what, Display::Lines(writer))
     }
 
+    /// The same, where more follows: `later` times this work. The time left is then that of all.
+    pub fn followed_by(mut self, later: f64) -> Self {
+        self.later = later;
+        self
+    }
+
     /// Progress that shows nothing, not even messages.
     pub fn quiet() -> Self {
         Self::with(1.0, "", Display::Quiet)
@@ -63,6 +70,7 @@ impl Progress {
             shown: now,
             shown_fraction: 0.0,
             what: what.to_owned(),
+            later: 0.0,
             display,
         }
     }
@@ -85,14 +93,16 @@ impl Progress {
         self.shown = Instant::now();
         self.shown_fraction = fraction;
         let elapsed = self.started.elapsed().as_secs_f64();
-        let left = elapsed * (self.total_time - time).max(0.0) / (time - first_time);
+        let to_do = (self.total_time - time).max(0.0) + self.later * self.total_time;
+        let left = elapsed * to_do / (time - first_time);
         let state = format!(
-            "{:3.0} %  t = {}  dt = {}  step {}  {} left",
+            "{:3.0} %  t = {}  dt = {}  step {}  {} left{}",
             (fraction * 100.0).floor(),
             quantity(time, "s", 4),
             quantity(step_size, "s", 3),
             grouped(step),
             remaining(left),
+            if self.later > 0.0 { " in all" } else { "" },
         );
         match &mut self.display {
             Display::Quiet => {}

@@ -27,7 +27,14 @@ pub(super) fn column(simulation: &Simulation, name: &str) -> Vec<f64> {
 pub(super) fn pressure(simulation: &Simulation) -> Vec<f64> {
     let equation = simulation.physics.equation;
     let density = column(simulation, fields::DENSITY.description.name);
-    density.iter().map(|d| equation.pressure(*d, 0.0)).collect()
+    let energy = column(simulation, fields::TOTAL_ENERGY.description.name);
+    let radial = column(simulation, fields::VELOCITY_R.description.name);
+    let axial = column(simulation, fields::VELOCITY_Z.description.name);
+    let internal = |i: usize| {
+        let kinetic = 0.5 * (radial[i] * radial[i] + axial[i] * axial[i]);
+        energy.get(i).map_or(0.0, |total| total - kinetic)
+    };
+    density.iter().enumerate().map(|(i, density)| equation.pressure(*density, internal(i))).collect()
 }
 
 /// The root of area of every particle, in m.

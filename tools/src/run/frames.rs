@@ -192,8 +192,11 @@ fn write_particles(path: &std::path::Path, scene: &Scene, simulation: &Simulatio
         field("size", "m", FieldData::Scalar(&size)),
         field("mass", "kg", FieldData::Scalar(&mass)),
         field("identity", "", FieldData::Index(&identity)),
-        field("surface", "", FieldData::Index(&surface)),
     ];
+    // Only what acts at the surface knows where it is.
+    if !surface.is_empty() {
+        fields.push(field("surface", "", FieldData::Index(&surface)));
+    }
     let asked = scene.output.colour_by.as_str();
     let coloured = shown(simulation, asked);
     if let Some(Shown { unit, values }) = &coloured

@@ -10,7 +10,6 @@ mod stopwatch;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::time::Instant;
 
 use meniscus_cases::scene::{self, Scene};
 use meniscus_cases::simulation::Simulation;
@@ -22,11 +21,12 @@ use crate::command::{ResumeArguments, RunArguments, pool};
 use crate::failure::Failure;
 use crate::output::folder::RunFolder;
 use crate::output::progress::Progress;
+use crate::output::summary::{Status, Summary, print_table};
 use crate::output::units::{grouped, quantity};
 use crate::plan::sound_speed_sentence;
 use recorder::Recorder;
-use signals::{INTERRUPTED, Signals};
-use stopwatch::Stopwatch;
+pub(crate) use signals::{INTERRUPTED, Signals};
+use stopwatch::{Moment, Stopwatch};
 
 /// How a run ended.
 enum End {
@@ -37,7 +37,7 @@ enum End {
 
 /// What a run costs, and since when.
 struct Costs {
-    started: Instant,
+    started: Moment,
     settling: Stopwatch,
     steps: Stopwatch,
     first_step: u64,
@@ -48,13 +48,35 @@ struct Run {
     scene: Scene,
     folder: RunFolder,
     signals: Signals,
-    quiet: bool,
-    started: Instant,
+    display: Display,
+    started: Moment,
+}
+
+/// What a run shows of its progress.
+#[derive(Clone)]
+pub(crate) enum Display {
+    /// Nothing.
+    Quiet,
+    /// All about the one run there is.
+    Alone,
+    /// A run among others.
+    Among {
+        /// What it is called there.
+        name: String,
+        /// The work of the runs after this one over this one's work.
+        later: f64,
+    },
+}
+
+impl Display {
+    fn alone(quiet: bool) -> Self {
+        if quiet { Display::Quiet } else { Display::Alone }
+    }
 }
 
 /// Runs a scene.
 pub(crate) fn run(arguments: &RunArguments) -> Result<ExitCode, Failure> {
-    let started = Instant::now();
+    let started = Moment::now();
     let settings = [arguments.set.clone(), arguments.extent.settings()].concat();
     let scene = scene::read(&arguments.scene, &settings)?;
     columns::check_colour(&scene)?;
@@ -64,14 +86,15 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<ExitCode, Failure> {
     let folder =
         RunFolder::create(out, arguments.overwrite).map_err(|error| Failure::input(error.to_string()))?;
     std::fs::write(folder.scene(), &scene.text).map_err(|error| not_written(&folder.scene(), &error))?;
-    let run = Run { scene, folder, signals: listen()?, quiet: arguments.extent.quiet, started };
+    let display = Display::alone(arguments.extent.quiet);
+    let run = Run { scene, folder, signals: listen()?, display, started };
     run.introduce();
-    pool.install(|| run.begin())
+    pool.install(|| run.begin()).map(|summary| tell(&summary))
 }
 
 /// Continues a run.
 pub(crate) fn resume(arguments: &ResumeArguments) -> Result<ExitCode, Failure> {
-    let started = Instant::now();
+    let started = Moment::now();
     let folder = RunFolder::open(&arguments.folder);
     let folder = folder.map_err(|error| Failure::input(error.to_string()))?;
     let newest = checkpoint::newest_valid(&folder.checkpoints());
@@ -84,12 +107,37 @@ pub(crate) fn resume(arguments: &ResumeArguments) -> Result<ExitCode, Failure> {
     columns::check_colour(&scene)?;
     let pool = pool(arguments.extent.threads)?;
     std::fs::write(folder.scene(), &scene.text).map_err(|error| not_written(&folder.scene(), &error))?;
-    let run = Run { scene, folder, signals: listen()?, quiet: arguments.extent.quiet, started };
+    let display = Display::alone(arguments.extent.quiet);
+    let run = Run { scene, folder, signals: listen()?, display, started };
     eprintln!("continues from {name}");
-    pool.install(|| run.pick_up(&checkpoint))
+    pool.install(|| run.pick_up(&checkpoint)).map(|summary| tell(&summary))
 }
 
-fn listen() -> Result<Signals, Failure> {
+/// Runs a scene into a folder, on the threads of the caller's pool.
+pub(crate) fn run_into(
+    folder: RunFolder,
+    scene: Scene,
+    signals: &Signals,
+    display: Display,
+) -> Result<Summary, Failure> {
+    let started = Moment::now();
+    std::fs::write(folder.scene(), &scene.text).map_err(|error| not_written(&folder.scene(), &error))?;
+    Run { scene, folder, signals: signals.clone(), display, started }.begin()
+}
+
+/// Prints what a run has given, and turns it into an exit code.
+fn tell(summary: &Summary) -> ExitCode {
+    // A closed pipe is no failure of the run.
+    let _ = print_table(summary, &mut std::io::stdout().lock());
+    match summary.status {
+        Some(Status::Interrupted) => ExitCode::from(INTERRUPTED),
+        Some(Status::Failed) => ExitCode::from(1),
+        Some(Status::Done) | None => ExitCode::SUCCESS,
+    }
+}
+
+/// Signals from now on.
+pub(crate) fn listen() -> Result<Signals, Failure> {
     let signals = Signals::listen();
     signals.map_err(|error| Failure::on_the_way(format!("cannot listen to signals: {error}")))
 }
@@ -120,20 +168,35 @@ impl Run {
         eprintln!("results in {}", self.folder.path().display());
     }
 
-    fn progress(&self, total: f64, what: &str) -> Progress {
-        if self.quiet { Progress::quiet() } else { Progress::new(total, what) }
+    /// Progress of a part of the run, which the rest of the run follows (in simulated seconds, too).
+    fn progress(&self, total: f64, rest: f64, what: &str) -> Progress {
+        match &self.display {
+            Display::Quiet => Progress::quiet(),
+            Display::Alone => Progress::new(total, what),
+            Display::Among { name, later } => {
+                let later = (rest + later * (self.settling_time() + self.scene.until)) / total;
+                Progress::new(total, &format!("{name}: {what}")).followed_by(later)
+            }
+        }
     }
 
-    fn begin(&self) -> Result<ExitCode, Failure> {
+    /// Simulated seconds to settle.
+    fn settling_time(&self) -> f64 {
+        settling_time(&self.scene)
+    }
+
+    fn begin(&self) -> Result<Summary, Failure> {
         let mut settling = Stopwatch::default();
         let mut simulation = settling.time(|| self.settle())?;
-        eprintln!("{} particles", grouped(simulation.world.store.len() as u64));
+        if matches!(self.display, Display::Alone) {
+            eprintln!("{} particles", grouped(simulation.world.store.len() as u64));
+        }
         let mut recorder = Recorder::start(&self.scene, &self.folder, &simulation)?;
         recorder.record(&simulation)?;
         self.go_on(&mut simulation, &mut recorder, settling)
     }
 
-    fn pick_up(&self, checkpoint: &checkpoint::Checkpoint) -> Result<ExitCode, Failure> {
+    fn pick_up(&self, checkpoint: &checkpoint::Checkpoint) -> Result<Summary, Failure> {
         let mut simulation = Simulation::resume(&self.scene, checkpoint)?;
         let mut recorder = Recorder::resume(&self.scene, &self.folder, &simulation)?;
         if simulation.world.clock.step == 0 {
@@ -144,8 +207,7 @@ impl Run {
 
     fn settle(&self) -> Result<Simulation, Failure> {
         let unit = Simulation::capillary_time(&self.scene);
-        let total = self.scene.settle.unwrap_or(meniscus_cases::simulation::SETTLE);
-        let mut progress = self.progress(total * unit, "settling");
+        let mut progress = self.progress(self.settling_time(), self.scene.until, "settling");
         let (mut step, mut before) = (0, 0.0);
         let simulation = Simulation::new(&self.scene, &mut |done, _| {
             if self.signals.stop() {
@@ -166,7 +228,7 @@ impl Run {
         simulation: &mut Simulation,
         recorder: &mut Recorder,
         settling: Stopwatch,
-    ) -> Result<ExitCode, Failure> {
+    ) -> Result<Summary, Failure> {
         let mut costs = Costs {
             started: self.started,
             settling,
@@ -185,14 +247,13 @@ impl Run {
                 Some(fault.to_string())
             }
         };
-        let (status, code) = match end {
-            End::Done => (crate::output::summary::Status::Done, ExitCode::SUCCESS),
-            End::Interrupted => (crate::output::summary::Status::Interrupted, ExitCode::from(INTERRUPTED)),
-            End::Failed(_) => (crate::output::summary::Status::Failed, ExitCode::from(1)),
+        let status = match end {
+            End::Done => Status::Done,
+            End::Interrupted => Status::Interrupted,
+            End::Failed(_) => Status::Failed,
         };
         let ending = report::Ending { status, failure };
-        report::report(&self.scene, &self.folder, simulation, (recorder, &costs), ending)?;
-        Ok(code)
+        report::report(&self.scene, &self.folder, simulation, (recorder, &costs), ending)
     }
 
     /// The time loop.
@@ -202,7 +263,7 @@ impl Run {
         recorder: &mut Recorder,
         cost: &mut Stopwatch,
     ) -> Result<End, Failure> {
-        let mut progress = self.progress(self.scene.until, "running");
+        let mut progress = self.progress(self.scene.until, 0.0, "running");
         while !is_over(&self.scene, &simulation.world.clock) {
             if self.signals.stop() {
                 return Ok(End::Interrupted);
@@ -220,6 +281,16 @@ impl Run {
             progress.update(clock.step, clock.time, clock.previous_step_size);
         }
         Ok(End::Done)
+    }
+}
+
+/// Simulated seconds in which the scene's particles settle before its clock starts.
+pub(crate) fn settling_time(scene: &Scene) -> f64 {
+    if scene.liquid.surface_tension > 0.0 {
+        let times = scene.settle.unwrap_or(meniscus_cases::simulation::SETTLE);
+        times * Simulation::capillary_time(scene)
+    } else {
+        0.0
     }
 }
 

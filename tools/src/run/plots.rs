@@ -1,7 +1,8 @@
 //! Plots of what was measured, against what is exact.
 
 use meniscus_cases::measure::exact::Drop;
-use meniscus_cases::measure::{History, numbered, oscillation_fit};
+use meniscus_cases::measure::spheroid::Spheroid;
+use meniscus_cases::measure::{History, columns_of, numbered, oscillation_fit, with_index};
 use meniscus_cases::scene::{Measure, Scene};
 
 use crate::failure::Failure;
@@ -17,11 +18,7 @@ pub(super) fn draw(scene: &Scene, folder: &RunFolder, history: &History) -> Resu
     if times.len() < 3 {
         return Ok(());
     }
-    let mut seen = Vec::new();
-    for measure in &scene.measures {
-        let kind = std::mem::discriminant(measure);
-        let index = seen.iter().filter(|other| **other == kind).count();
-        seen.push(kind);
+    for (measure, index) in with_index(&scene.measures) {
         let (name, curves, label) = match *measure {
             Measure::Oscillation { mode, radius, .. } => {
                 let column = numbered("mode amplitude", index);
@@ -45,6 +42,36 @@ pub(super) fn draw(scene: &Scene, folder: &RunFolder, history: &History) -> Resu
                 let label = "rms velocity over the capillary velocity".to_owned();
                 ("spurious-velocity", curves, label)
             }
+            Measure::SemiAxis { radial, axial, shear, stiffness } => {
+                let exact = Spheroid { radial, axial, shear, stiffness }.at_times(&times);
+                let exact = |axis: usize| exact.iter().map(|axes| axes[axis]).collect();
+                let mut curves = vec![
+                    curve("exact, radial", times.clone(), exact(0), Style::Dashed),
+                    curve("exact, axial", times.clone(), exact(1), Style::Dashed),
+                ];
+                curves.extend(measured(history, measure, index));
+                ("semi-axis", curves, "semi-axis [m]".to_owned())
+            }
+            Measure::GrowthRate { .. } => {
+                let mut curves = measured(history, measure, index);
+                curves.truncate(2);
+                ("growth", curves, "amplitude of the wave over the radius".to_owned())
+            }
+            Measure::FilmRetraction { .. } => {
+                let mut curves = measured(history, measure, index);
+                curves.remove(0);
+                ("film", curves, "distance from the start of the edge, and constant [m]".to_owned())
+            }
+            Measure::PlateauDensity { .. } => {
+                let curves = measured(history, measure, index);
+                ("plateau-density", curves, "density behind the shock [kg/m3]".to_owned())
+            }
+            Measure::ShockSpeed { .. } => {
+                let mut curves = measured(history, measure, index);
+                curves.truncate(1);
+                ("shock", curves, "thickness stopped by the shock [m]".to_owned())
+            }
+            Measure::MomentumDrift | Measure::EnergyDrift => continue,
         };
         let path = folder.file(&format!("{}.png", numbered(name, index)));
         let picture = Plot {
@@ -60,6 +87,12 @@ pub(super) fn draw(scene: &Scene, folder: &RunFolder, history: &History) -> Resu
         }
     }
     Ok(())
+}
+
+/// The columns of a measure as they were observed.
+fn measured(history: &History, measure: &Measure, index: usize) -> Vec<Curve> {
+    let columns = columns_of(measure, index).into_iter();
+    columns.map(|c| curve(&c.name, history.of("time"), history.of(&c.name), Style::Line)).collect()
 }
 
 fn curve(label: &str, x: Vec<f64>, y: Vec<f64>, style: Style) -> Curve {

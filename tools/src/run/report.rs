@@ -1,7 +1,5 @@
 //! What stands at the end of a run: its summary, its plots, and the table for people.
 
-use std::io;
-
 use meniscus_cases::measure::{Outcome, conservation, evaluate};
 use meniscus_cases::scene::Scene;
 use meniscus_cases::simulation::Simulation;
@@ -9,10 +7,10 @@ use meniscus_cases::simulation::Simulation;
 use super::Costs;
 use super::plots;
 use super::recorder::Recorder;
-use super::stopwatch::processor_time;
+use super::stopwatch::Stopwatch;
 use crate::failure::Failure;
 use crate::output::folder::RunFolder;
-use crate::output::summary::{Conservation, Measure, StageCost, Status, Summary, print_table};
+use crate::output::summary::{Conservation, Measure, StageCost, Status, Summary};
 
 /// How the run ended, and why it failed if it did.
 pub(super) struct Ending {
@@ -20,14 +18,14 @@ pub(super) struct Ending {
     pub(super) failure: Option<String>,
 }
 
-/// Writes the summary and the plots, and prints the summary as a table.
+/// Writes the summary and the plots.
 pub(super) fn report(
     scene: &Scene,
     folder: &RunFolder,
     simulation: &Simulation,
     (recorder, costs): (&Recorder, &Costs),
     ending: Ending,
-) -> Result<(), Failure> {
+) -> Result<Summary, Failure> {
     let history = &recorder.history;
     let outcomes = evaluate(scene, history);
     for doubt in outcomes.iter().filter_map(|outcome| outcome.doubt.as_ref()) {
@@ -38,7 +36,7 @@ pub(super) fn report(
     let clock = &simulation.world.clock;
     let particles = simulation.world.store.len() as u64;
     let particle_steps = (particles * (clock.step - costs.first_step)).max(1) as f64;
-    let wall_seconds = costs.started.elapsed().as_secs_f64();
+    let Stopwatch { wall: wall_seconds, cpu: cpu_seconds } = costs.started.elapsed();
     let summary = Summary {
         scene: scene.title.clone(),
         status: Some(ending.status),
@@ -47,7 +45,7 @@ pub(super) fn report(
         steps: clock.step,
         time: clock.time,
         wall_seconds,
-        cpu_seconds: processor_time().as_secs_f64(),
+        cpu_seconds,
         threads: rayon::current_num_threads(),
         ns_per_particle_step: costs.steps.wall * 1e9 / particle_steps,
         core_ns_per_particle_step: costs.steps.cpu * 1e9 / particle_steps,
@@ -57,9 +55,7 @@ pub(super) fn report(
         version: env!("CARGO_PKG_VERSION").to_owned(),
     };
     summary.write(&folder.summary())?;
-    // A closed pipe is no failure of the run.
-    let _ = print_table(&summary, &mut io::stdout().lock());
-    Ok(())
+    Ok(summary)
 }
 
 fn measure(outcome: &Outcome) -> Measure {

@@ -8,13 +8,14 @@ use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 
 /// What the user has asked for since the run began.
-pub(super) struct Signals {
+#[derive(Clone)]
+pub(crate) struct Signals {
     stop: Arc<AtomicBool>,
     checkpoint: Arc<AtomicBool>,
 }
 
 /// Exit code after an interruption.
-pub(super) const INTERRUPTED: u8 = 130;
+pub(crate) const INTERRUPTED: u8 = 130;
 
 impl Signals {
     /// From now on signals are noted. A second SIGINT or SIGTERM ends the process at once.
@@ -32,7 +33,7 @@ impl Signals {
     }
 
     /// Whether the run is to stop.
-    pub(super) fn stop(&self) -> bool {
+    pub(crate) fn stop(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
     }
 

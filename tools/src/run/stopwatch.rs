@@ -14,16 +14,39 @@ pub(super) struct Stopwatch {
 impl Stopwatch {
     /// Does something and adds what it costs.
     pub(super) fn time<T>(&mut self, work: impl FnOnce() -> T) -> T {
-        let (wall, cpu) = (Instant::now(), processor_time());
+        let start = Moment::now();
         let done = work();
-        self.wall += wall.elapsed().as_secs_f64();
-        self.cpu += processor_time().saturating_sub(cpu).as_secs_f64();
+        let cost = start.elapsed();
+        self.wall += cost.wall;
+        self.cpu += cost.cpu;
         done
     }
 }
 
+/// A point in time, by the clock and by the processor.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Moment {
+    wall: Instant,
+    cpu: Duration,
+}
+
+impl Moment {
+    /// The present one.
+    pub(super) fn now() -> Self {
+        Moment { wall: Instant::now(), cpu: processor_time() }
+    }
+
+    /// What has been spent since.
+    pub(super) fn elapsed(&self) -> Stopwatch {
+        Stopwatch {
+            wall: self.wall.elapsed().as_secs_f64(),
+            cpu: processor_time().saturating_sub(self.cpu).as_secs_f64(),
+        }
+    }
+}
+
 /// Processor time of all threads of this process since its start; zero where the system tells none.
-pub(super) fn processor_time() -> Duration {
+fn processor_time() -> Duration {
     #[cfg(unix)]
     {
         use rustix::time::{ClockId, clock_gettime};

@@ -1,4 +1,5 @@
 use super::{changed, mistake, mistake_at, shaped};
+use crate::scene::{EquationOfState, parse};
 
 #[test]
 fn shapes_are_not_empty() {
@@ -79,4 +80,29 @@ fn fields_are_finite_and_bodies_apart() {
     assert_eq!(super::read(&changed("[particles]", &touching)).bodies.len(), 2);
     let periodic = changed("[particles]", "[domain]\nperiod = \"4 um\"\n[particles]");
     mistake(&periodic, &[], &["more than the period of 4e-6 m"]);
+}
+
+#[test]
+fn a_gas_has_its_own_keys() {
+    let gas = changed(
+        "equation_of_state = \"linear\"",
+        "equation_of_state = \"ideal-gas\"\nheat_ratio = \"5/3\"\n[forces]\ncentral = \"2 Hz^2\"",
+    );
+    let gas =
+        gas.replacen("velocity = {", "internal_energy = \"3 J/kg\"\ndensity = \"2 g/L\"\nvelocity = {", 1);
+    let scene = parse("gas.toml", &gas, &[]).unwrap();
+    assert_eq!(scene.liquid.equation_of_state, EquationOfState::IdealGas { heat_ratio: 5.0 / 3.0 });
+    assert_eq!(scene.central_force, 2.0);
+    assert_eq!((scene.bodies[0].density, scene.bodies[0].internal_energy.at(0.0, 0.0)), (Some(2.0), 3.0));
+}
+
+#[test]
+fn keys_of_another_equation_of_state_are_refused() {
+    let text = changed("sound_speed = \"sound_speed\"", "sound_speed = \"sound_speed\"\nheat_ratio = 1.4");
+    assert!(parse("mixed.toml", &text, &[]).is_err());
+    let text = changed("\"linear\"", "\"mie-grueneisen\"\nadiabat_slope = 2\ngrueneisen = 2");
+    // Its sound speed is not for the scene to derive.
+    assert!(parse("auto.toml", &text, &[]).is_err());
+    let settings = ["sound_speed=\"1483 m/s\"".to_owned()];
+    assert!(parse("water.toml", &text, &settings).is_ok());
 }

@@ -1,0 +1,158 @@
+//! A wave that grows on a jet until it breaks.
+
+use super::evaluate::Outcome;
+use super::growth;
+use super::history::History;
+use super::observe::Particles;
+use crate::assemble::Physics;
+use crate::scene::Liquid;
+use std::f64::consts::PI;
+
+/// Both parts of the wave's amplitude over the radius, the smallest radius of the surface, and the radius
+/// of the smallest drop.
+pub(super) const COLUMNS: [(&str, &str); 4] =
+    [("jet cosine", "1"), ("jet sine", "1"), ("neck radius", "m"), ("smallest drop", "m")];
+
+/// Amplitudes over the radius between which the growth counts as linear.
+const LINEAR: [f64; 2] = [0.005, 0.1];
+/// A jet is torn where its surface comes nearer to the axis than this, in particle sizes.
+const TORN: f64 = 1.5;
+/// Part of the liquid below which a piece is no drop.
+const SPLINTER: f64 = 0.002;
+
+/// One row. The amplitude is the mean of cos(k z) over the mass: epsilon for a surface R (1 + epsilon
+/// cos(k z)).
+pub(super) fn observe(particles: &Particles, physics: &Physics, wavenumber: f64, radius: f64) -> Vec<f64> {
+    let k = wavenumber / radius;
+    let (mut cosine, mut sine, mut mass) = (0.0, 0.0, 0.0);
+    for (z, m) in particles.z.iter().zip(particles.mass) {
+        let (s, c) = (k * z).sin_cos();
+        cosine += m * c;
+        sine += m * s;
+        mass += m;
+    }
+    let outline = Outline::of(particles, physics);
+    let neck = outline.surface.iter().fold(f64::INFINITY, |least, r| least.min(*r));
+    vec![cosine / mass, sine / mass, neck, outline.smallest_drop()]
+}
+
+/// Largest radius and volume in slices of two particle sizes.
+struct Outline {
+    surface: Vec<f64>,
+    volume: Vec<f64>,
+    periodic: bool,
+}
+
+impl Outline {
+    fn of(particles: &Particles, physics: &Physics) -> Self {
+        let (bottom, length) = physics.domain.period.unwrap_or_else(|| {
+            let low = particles.z.iter().fold(f64::INFINITY, |a, z| a.min(*z));
+            let high = particles.z.iter().fold(f64::NEG_INFINITY, |a, z| a.max(*z));
+            (low, (high - low).max(physics.particle_size))
+        });
+        let slices = ((length / (2.0 * physics.particle_size)) as usize).max(1);
+        let mut outline = Outline {
+            surface: vec![0.0; slices],
+            volume: vec![0.0; slices],
+            periodic: physics.domain.period.is_some(),
+        };
+        for i in 0..particles.r.len() {
+            let place = (particles.z[i] - bottom) / length;
+            let slice = ((place - place.floor()) * slices as f64) as usize;
+            let slice = slice.min(slices - 1);
+            outline.surface[slice] = outline.surface[slice].max(particles.r[i]);
+            outline.volume[slice] += particles.mass[i] / particles.density[i];
+        }
+        outline
+    }
+
+    /// Radius of the smallest of several pieces between empty slices; 0 while there is one.
+    fn smallest_drop(&self) -> f64 {
+        let count = self.surface.len();
+        let Some(gap) = self.volume.iter().position(|v| *v == 0.0) else {
+            return 0.0;
+        };
+        let first = if self.periodic { gap } else { 0 };
+        let whole: f64 = self.volume.iter().sum();
+        let (mut pieces, mut piece) = (Vec::new(), 0.0);
+        for k in 0..=count {
+            let volume = if k == count { 0.0 } else { self.volume[(first + k) % count] };
+            if volume > 0.0 {
+                piece += volume;
+            } else if piece > SPLINTER * whole {
+                pieces.push(piece);
+                piece = 0.0;
+            } else {
+                piece = 0.0;
+            }
+        }
+        let smallest = pieces.iter().fold(f64::INFINITY, |least, v| least.min(*v));
+        if pieces.len() < 2 { 0.0 } else { (0.75 * smallest / PI).cbrt() }
+    }
+}
+
+/// Rayleigh's rate of growth in 1/s: q^2 = sigma/(rho R^3) k I1(k)/I0(k) (1 - k^2) with k = k R; `None`
+/// for waves too short to grow.
+pub fn rayleigh_growth_rate(liquid: &Liquid, wavenumber: f64, radius: f64) -> Option<f64> {
+    let [zeroth, first] = bessel(wavenumber);
+    let scale = liquid.surface_tension / (liquid.density * radius.powi(3));
+    let square = scale * wavenumber * first / zeroth * (1.0 - wavenumber * wavenumber);
+    (square > 0.0).then(|| square.sqrt())
+}
+
+/// The modified Bessel functions I0 and I1 by their power series.
+fn bessel(x: f64) -> [f64; 2] {
+    let quarter = 0.25 * x * x;
+    let (mut term, mut zeroth, mut first) = (1.0, 0.0, 0.0);
+    for k in 0..60 {
+        let k = f64::from(k);
+        zeroth += term;
+        first += 0.5 * x * term / (k + 1.0);
+        term *= quarter / ((k + 1.0) * (k + 1.0));
+    }
+    [zeroth, first]
+}
+
+/// What the whole run says. `columns` are the names of this measure's columns.
+pub(super) fn evaluate(
+    history: &History,
+    columns: &[String],
+    liquid: &Liquid,
+    (wavenumber, radius, particle_size): (f64, f64, f64),
+) -> Vec<Outcome> {
+    let times = history.of("time");
+    let exact = rayleigh_growth_rate(liquid, wavenumber, radius);
+    let rate = exact.and_then(|exact| {
+        let (times, values) = linear_part(&times, &amplitude(history, columns));
+        growth::fit(&times, &values, exact)
+    });
+    let mut growth = Outcome::of("growth-rate".to_owned(), rate, "1/s");
+    if let Some(exact) = exact {
+        growth = growth.against(exact);
+    }
+    let necks = history.of(&columns[2]);
+    let torn = times.iter().zip(&necks).find(|(_, neck)| **neck < TORN * particle_size);
+    let mut time = Outcome::of("pinch-off-time".to_owned(), torn.map(|(time, _)| *time), "s");
+    if torn.is_none() {
+        time.doubt = Some("the run ends before the jet breaks: there is no `pinch-off-time`".to_owned());
+    }
+    let satellite = history.of(&columns[3]).last().copied().filter(|radius| *radius > 0.0);
+    let mut satellite = Outcome::of("satellite-radius".to_owned(), satellite, "m");
+    if satellite.value.is_nan() {
+        satellite.doubt = Some("there are no two drops at the end: no `satellite-radius`".to_owned());
+    }
+    vec![growth, time, satellite]
+}
+
+/// The larger of both parts of the amplitude.
+pub(super) fn amplitude(history: &History, columns: &[String]) -> Vec<f64> {
+    let [cosine, sine] = [0, 1].map(|k| history.of(&columns[k]));
+    let largest = |values: &[f64]| values.iter().fold(0.0f64, |most, v| most.max(v.abs()));
+    if largest(&cosine) >= largest(&sine) { cosine } else { sine }
+}
+
+fn linear_part(times: &[f64], values: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    let start = values.iter().position(|a| a.abs() >= LINEAR[0]).unwrap_or(values.len());
+    let both = times.iter().zip(values).skip(start);
+    both.take_while(|(_, a)| a.abs() <= LINEAR[1]).map(|(t, a)| (*t, *a)).unzip()
+}

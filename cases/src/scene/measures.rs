@@ -1,0 +1,135 @@
+//! What a scene compares with exact solutions.
+
+use super::diagnosis::Fault;
+use super::entry::Entry;
+use super::quantity::{Kind, LENGTH, NUMBER, RATE, SQUARED_RATE, VELOCITY};
+use super::section::Section;
+
+/// What is compared with an exact solution at the end of a run. Lengths in metres.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Measure {
+    /// The pressure inside a drop at rest.
+    LaplacePressure {
+        /// Radius of the drop.
+        radius: f64,
+        /// Height z of its centre.
+        centre: f64,
+    },
+    /// The period of an oscillating drop.
+    Oscillation {
+        /// Degree of the Legendre polynomial, at least 2.
+        mode: u32,
+        /// Radius of the sphere it oscillates about.
+        radius: f64,
+        /// Height z of its centre.
+        centre: f64,
+    },
+    /// The speed of a drop that should rest.
+    SpuriousVelocity {
+        /// Radius of the drop.
+        radius: f64,
+    },
+    /// Growth of a wave on a jet, and its break-up.
+    GrowthRate {
+        /// Wavenumber times the jet's radius.
+        wavenumber: f64,
+        /// Radius of the jet.
+        radius: f64,
+    },
+    /// A film about a plane z = const whose two edges draw back.
+    FilmRetraction {
+        /// Thickness of the film.
+        thickness: f64,
+    },
+    /// Largest change of the axial momentum.
+    MomentumDrift,
+    /// Largest change of the energy, relative to the kinetic energy at the start.
+    EnergyDrift,
+    /// A spheroid that stretches and shrinks.
+    SemiAxis {
+        /// Semi-axis across the axis of symmetry at the start.
+        radial: f64,
+        /// Semi-axis along it at the start.
+        axial: f64,
+        /// Rate of axial strain at the start in 1/s.
+        shear: f64,
+        /// B^2 of the central force in 1/s2.
+        stiffness: f64,
+    },
+    /// The density behind the shock of a converging stream of gas (Noh).
+    PlateauDensity {
+        /// 2 for a cylinder, 3 for a sphere.
+        dimensions: u32,
+        /// Speed of the stream in m/s.
+        speed: f64,
+    },
+    /// The shock of two equal layers that meet at r = 0 of the scene.
+    ShockSpeed {
+        /// Speed of each of them in m/s.
+        speed: f64,
+        /// Thickness of each of them.
+        length: f64,
+    },
+}
+
+const KINDS: [(&str, &[&str]); 10] = [
+    ("laplace-pressure", &["radius", "centre"]),
+    ("oscillation", &["mode", "radius", "centre"]),
+    ("spurious-velocity", &["radius"]),
+    ("growth-rate", &["wavenumber", "radius"]),
+    ("film-retraction", &["thickness"]),
+    ("momentum-drift", &[]),
+    ("energy-drift", &[]),
+    ("semi-axis", &["radial", "axial", "shear", "stiffness"]),
+    ("plateau-density", &["dimensions", "speed"]),
+    ("shock-speed", &["speed", "length"]),
+];
+
+impl Measure {
+    pub(super) fn read(entry: Entry<'_>) -> Result<Self, Fault> {
+        const EXAMPLE: &str = "laplace-pressure = { radius = \"2.5 um\" }";
+        let entry = entry.variant(&KINDS.map(|(kind, _)| kind), EXAMPLE)?;
+        let kind = entry.key().to_owned();
+        let keys = KINDS.iter().find(|(name, _)| *name == kind).map_or(&[] as &[&str], |(_, keys)| keys);
+        let table = Section::new(entry, keys)?;
+        let positive = |key: &str, kind: Kind| {
+            table.required(key, &format!("{key} = \"{}\"", kind.example))?.positive(kind)
+        };
+        let size = |key: &str| positive(key, LENGTH);
+        let centre = || table.read_or("centre", 0.0, |entry| entry.quantity(LENGTH));
+        let whole = |key: &str, least: f64, most: f64| {
+            let number = Kind { example: "2", ..NUMBER };
+            let rule = format!("must be a whole number from {least} to {most}");
+            let accept = |value: f64| value.fract() == 0.0 && (least..=most).contains(&value);
+            let entry = table.required(key, &format!("{key} = {least}"))?;
+            Ok(entry.checked(number, &rule, accept)? as u32)
+        };
+        Ok(match kind.as_str() {
+            "oscillation" => {
+                let (radius, centre) = (size("radius")?, centre()?);
+                Measure::Oscillation { mode: whole("mode", 2.0, 1000.0)?, radius, centre }
+            }
+            "laplace-pressure" => Measure::LaplacePressure { radius: size("radius")?, centre: centre()? },
+            "growth-rate" => {
+                Measure::GrowthRate { wavenumber: positive("wavenumber", NUMBER)?, radius: size("radius")? }
+            }
+            "film-retraction" => Measure::FilmRetraction { thickness: size("thickness")? },
+            "momentum-drift" => Measure::MomentumDrift,
+            "energy-drift" => Measure::EnergyDrift,
+            "semi-axis" => Measure::SemiAxis {
+                radial: size("radial")?,
+                axial: size("axial")?,
+                shear: table.required("shear", "shear = \"1 Hz\"")?.quantity(RATE)?,
+                stiffness: table.read_or("stiffness", 0.0, |entry| entry.not_negative(SQUARED_RATE))?,
+            },
+            "plateau-density" => Measure::PlateauDensity {
+                dimensions: whole("dimensions", 2.0, 3.0)?,
+                speed: positive("speed", VELOCITY)?,
+            },
+            "shock-speed" => {
+                Measure::ShockSpeed { speed: positive("speed", VELOCITY)?, length: size("length")? }
+            }
+            _ => Measure::SpuriousVelocity { radius: size("radius")? },
+        })
+    }
+}

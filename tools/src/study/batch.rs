@@ -1,0 +1,88 @@
+//! Runs of scenes, one after the other.
+
+use std::path::Path;
+
+use meniscus_cases::region::Region;
+use meniscus_cases::scene::{self, Scene};
+
+use crate::failure::Failure;
+use crate::output::OutputError;
+use crate::output::folder::RunFolder;
+use crate::output::summary::{Status, Summary};
+use crate::run::{self, Display};
+
+/// A scene to be run under a name that tells it from the others.
+pub(crate) struct Job {
+    /// Name in the progress, and of the run's folder.
+    pub(crate) name: String,
+    /// What is run.
+    pub(crate) scene: Scene,
+}
+
+/// What every run of many does without: it is measured, not looked at.
+const PLAIN: [&str; 2] = ["output.frames=0", "output.checkpoint_every=0"];
+
+impl Job {
+    /// Reads a scene with settings.
+    pub(crate) fn read(name: String, path: &Path, settings: &[String]) -> Result<Self, Failure> {
+        let plain = PLAIN.iter().map(|setting| (*setting).to_owned());
+        let settings: Vec<String> = plain.chain(settings.iter().cloned()).collect();
+        Ok(Job { name, scene: scene::read(path, &settings)? })
+    }
+
+    /// Expected work, in arbitrary units: particles times steps.
+    fn work(&self) -> f64 {
+        let scene = &self.scene;
+        let area = |[inner, outer, bottom, top]: [f64; 4]| (outer - inner) * (top - bottom);
+        let area: f64 = scene.bodies.iter().map(|body| area(body.shape.bounds())).sum();
+        let particles = area / scene.particle_size.powi(2);
+        let time = run::settling_time(scene) + scene.until;
+        particles * time * scene.derived_sound_speed() / scene.particle_size
+    }
+}
+
+/// Makes the folder of all runs' results.
+///
+/// # Errors
+/// Bad input if something else lies there already.
+pub(crate) fn prepare(out: &Path, overwrite: bool, sign: &str) -> Result<(), Failure> {
+    let refuse = |error: OutputError| Failure::input(error.to_string());
+    if out.exists() && !out.is_dir() {
+        return Err(refuse(OutputError::NotAFolder(out.to_owned())));
+    }
+    let occupied = std::fs::read_dir(out).is_ok_and(|mut entries| entries.next().is_some());
+    if occupied && !overwrite {
+        return Err(refuse(OutputError::Occupied(out.to_owned())));
+    }
+    if occupied && !out.join(sign).exists() && !out.join("runs").exists() {
+        return Err(refuse(OutputError::NotARun(out.to_owned())));
+    }
+    let made = std::fs::create_dir_all(out);
+    made.map_err(OutputError::file("create the folder", out)).map_err(refuse)
+}
+
+/// Runs all scenes into `runs/` of a folder; after an interruption the rest is left out, and the
+/// interrupted run is the last one.
+pub(crate) fn run_all(
+    jobs: &[Job],
+    out: &Path,
+    (pool, quiet): (&rayon::ThreadPool, bool),
+) -> Result<Vec<Summary>, Failure> {
+    let signals = run::listen()?;
+    let work: Vec<f64> = jobs.iter().map(Job::work).collect();
+    let mut summaries = Vec::new();
+    for (index, job) in jobs.iter().enumerate() {
+        let folder = RunFolder::create(out.join("runs").join(&job.name), true)?;
+        let later = work[index + 1..].iter().sum::<f64>() / work[index];
+        let name = format!("{}/{} {}", index + 1, jobs.len(), job.name);
+        let display = if quiet { Display::Quiet } else { Display::Among { name, later } };
+        let scene = job.scene.clone();
+        let summary = pool.install(|| run::run_into(folder, scene, &signals, display))?;
+        let interrupted = summary.status == Some(Status::Interrupted);
+        summaries.push(summary);
+        if interrupted {
+            break;
+        }
+    }
+    Ok(summaries)
+}

@@ -1,0 +1,83 @@
+//! `meniscus study`: a scene at every combination of some settings, error against cost.
+
+pub(crate) mod batch;
+pub(crate) mod error;
+mod results;
+mod variation;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use crate::command::pool;
+use crate::failure::Failure;
+use crate::output::summary::Status;
+use crate::run::INTERRUPTED;
+use batch::{Job, prepare, run_all};
+use results::Results;
+use variation::{Variation, combinations};
+
+const EXAMPLES: &str = "\
+Examples:
+  meniscus study drop.toml --vary particle_size='100 nm','71.4 nm','50 nm'
+  meniscus study drop.toml --vary particle_size=radius/12,radius/25 --vary method.theta=.5,.6,.8
+  meniscus study drop.toml --vary method.scheme=harmonic-mean,parshikov --set run.until='2 us' --out schemes
+
+Every combination of the listed values runs once. DIR gets study.html, study.csv, study.json,
+study.png, study.svg, and each run's own results in runs/.
+Exit codes: 0 done; 1 a run broke down; 2 bad input; 130 interrupted.";
+
+/// Arguments of `study`.
+#[derive(clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct StudyArguments {
+    /// The scene
+    #[arg(value_name = "SCENE.toml")]
+    scene: PathBuf,
+    /// Values of a key, separated by commas; may be given several times
+    #[arg(long, value_name = "KEY=A,B,C", required = true)]
+    vary: Vec<String>,
+    /// Replace a value of the scene in all runs; may be given several times
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+    /// Folder for the results
+    #[arg(long, value_name = "DIR", default_value = "runs/study")]
+    out: PathBuf,
+    /// Replace an earlier study in the folder
+    #[arg(long)]
+    overwrite: bool,
+    /// Threads [default: one for each core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
+    /// Show no progress
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+/// Runs a scene at every combination of the varied settings.
+pub(crate) fn study(arguments: &StudyArguments) -> Result<ExitCode, Failure> {
+    let variations: Vec<Variation> =
+        arguments.vary.iter().map(|text| Variation::parse(text)).collect::<Result<_, _>>()?;
+    variation::check_keys(&variations, &arguments.set)?;
+    let combinations = combinations(&variations);
+    let width = combinations.len().to_string().len();
+    let mut jobs = Vec::new();
+    for (index, values) in combinations.iter().enumerate() {
+        let pairs = variations.iter().zip(values);
+        let varied = pairs.map(|(variation, value)| format!("{}={value}", variation.key));
+        let settings: Vec<String> = arguments.set.iter().cloned().chain(varied).collect();
+        jobs.push(Job::read(format!("run-{:0width$}", index + 1), &arguments.scene, &settings)?);
+    }
+    prepare(&arguments.out, arguments.overwrite, "study.json")?;
+    let pool = pool(arguments.threads)?;
+    let summaries = run_all(&jobs, &arguments.out, (&pool, arguments.quiet))?;
+    let interrupted = summaries.iter().any(|summary| summary.status == Some(Status::Interrupted));
+    let failed = summaries.iter().any(|summary| summary.status == Some(Status::Failed));
+    let results = Results::new(&variations, combinations, &jobs, summaries);
+    results.write(&arguments.out)?;
+    println!("{}\n\nresults in {}", results.table(), arguments.out.join("study.html").display());
+    Ok(match (interrupted, failed) {
+        (true, _) => ExitCode::from(INTERRUPTED),
+        (_, true) => ExitCode::from(1),
+        _ => ExitCode::SUCCESS,
+    })
+}

@@ -1,0 +1,201 @@
+//! What a study has found: its table, its plot and its files.
+
+use std::path::Path;
+
+use comfy_table::{CellAlignment, Table, presets};
+use serde::Serialize;
+
+use super::batch::Job;
+use super::error::{Measured, measured, order, order_in_words, percent};
+use super::variation::Variation;
+use crate::failure::Failure;
+use crate::output::chart::{Chart, Series, chart};
+use crate::output::plot::{Curve, Plot, Style, plot};
+use crate::output::report::{Cell, Grid, Page, Section, write_page};
+use crate::output::summary::{Status, Summary};
+use crate::output::units::{grouped, quantity};
+use crate::output::{OutputError, OutputResult};
+
+/// One run of a study.
+#[derive(Serialize)]
+struct Row {
+    settings: Vec<String>,
+    particle_size: f64,
+    particles: u64,
+    steps: u64,
+    status: Option<Status>,
+    failure: Option<String>,
+    measures: Vec<Measured>,
+    core_seconds: f64,
+    core_ns_per_particle_step: f64,
+}
+
+/// All runs of a study.
+#[derive(Serialize)]
+pub(super) struct Results {
+    scene: String,
+    keys: Vec<String>,
+    rows: Vec<Row>,
+}
+
+/// Keys that change nothing but the resolution: a line connects such runs.
+const RESOLUTION: [&str; 2] = ["particle_size", "particles.size"];
+
+impl Results {
+    /// Collects what the runs have given; there may be fewer summaries than jobs.
+    pub(super) fn new(
+        variations: &[Variation],
+        combinations: Vec<Vec<String>>,
+        jobs: &[Job],
+        summaries: Vec<Summary>,
+    ) -> Self {
+        let scene = jobs.first().map_or(String::new(), |job| job.scene.title.clone());
+        let rows = combinations.into_iter().zip(jobs).zip(summaries);
+        let rows = rows.map(|((settings, job), summary)| Row {
+            settings,
+            particle_size: job.scene.particle_size,
+            particles: summary.particles,
+            steps: summary.steps,
+            status: summary.status,
+            measures: summary.measures.iter().filter_map(|m| measured(&summary, &m.name)).collect(),
+            core_seconds: summary.cpu_seconds,
+            core_ns_per_particle_step: summary.core_ns_per_particle_step,
+            failure: summary.failure,
+        });
+        let keys = variations.iter().map(|variation| variation.key.clone()).collect();
+        Results { scene, keys, rows: rows.collect() }
+    }
+
+    fn head(&self) -> Vec<String> {
+        let mut head = self.keys.clone();
+        for measure in self.rows.first().iter().flat_map(|row| &row.measures) {
+            head.push(measure.name.clone());
+            head.extend(measure.exact.map(|_| "error".to_owned()));
+        }
+        head.extend(["particles", "core-seconds", "per particle and step"].map(str::to_owned));
+        head
+    }
+
+    fn cells(row: &Row) -> Vec<String> {
+        let mut cells = row.settings.clone();
+        for measure in &row.measures {
+            cells.push(quantity(measure.value, &measure.unit, 4));
+            if measure.exact.is_some() {
+                cells.push(measure.error.map_or("?".to_owned(), percent));
+            }
+        }
+        let failed = row.status == Some(Status::Failed);
+        let cost = quantity(row.core_ns_per_particle_step * 1e-9, "s", 3);
+        cells.extend([grouped(row.particles), format!("{:.1}", row.core_seconds)]);
+        cells.push(if failed { "broke down".to_owned() } else { cost });
+        cells
+    }
+
+    /// The table for the terminal.
+    pub(super) fn table(&self) -> Table {
+        let mut table = Table::new();
+        table.load_style(presets::UTF8_HORIZONTAL_ONLY).set_header(self.head());
+        for row in &self.rows {
+            table.add_row(Self::cells(row));
+        }
+        for column in table.column_iter_mut().skip(self.keys.len()) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+        table
+    }
+
+    /// Writes study.csv, study.json, study.html and, if there are errors to show, study.png and study.svg.
+    pub(super) fn write(&self, out: &Path) -> Result<(), Failure> {
+        self.write_csv(&out.join("study.csv"))?;
+        let path = out.join("study.json");
+        let json = serde_json::to_string_pretty(self).unwrap_or_default();
+        std::fs::write(&path, json + "\n").map_err(OutputError::file("write", &path))?;
+        let series = self.series();
+        let name = self.rows.iter().flat_map(|row| &row.measures).find(|m| m.error.is_some());
+        let label = format!("error of {}", name.map_or("", |measure| &measure.name));
+        let mut charts = Vec::new();
+        if series.iter().any(|series| !series.points.is_empty()) {
+            plot(&out.join("study.png"), &self.plot(&series, &label))?;
+            charts.push(chart(&Chart { y_label: label, series: &series, target: None }));
+        }
+        let rows = self.rows.iter().map(|row| Self::cells(row).into_iter().map(Cell::plain).collect());
+        let section = Section {
+            heading: "All runs".to_owned(),
+            notes: self.orders(&series),
+            charts,
+            grid: Some(Grid { head: self.head(), rows: rows.collect(), texts: self.keys.len() }),
+        };
+        let lead = format!("{} runs; errors are relative, or absolute where zero is exact.", self.rows.len());
+        let page = Page { title: format!("Study: {}", self.scene), lead, sections: vec![section] };
+        Ok(write_page(&out.join("study.html"), &page)?)
+    }
+
+    fn write_csv(&self, path: &Path) -> OutputResult<()> {
+        let wrong = |error: csv::Error| OutputError::data(path, error.to_string());
+        let mut file = csv::Writer::from_path(path).map_err(wrong)?;
+        let mut head = self.keys.clone();
+        for measure in self.rows.first().iter().flat_map(|row| &row.measures) {
+            head.extend([measure.name.clone(), format!("{} error", measure.name)]);
+        }
+        head.extend(["particle size in m", "particles", "steps", "core_seconds"].map(str::to_owned));
+        head.push("core_ns_per_particle_step".to_owned());
+        file.write_record(&head).map_err(wrong)?;
+        for row in &self.rows {
+            let mut record = row.settings.clone();
+            for measure in &row.measures {
+                let error = measure.error.map_or(String::new(), |error| error.to_string());
+                record.extend([measure.value.to_string(), error]);
+            }
+            record.extend([row.particle_size.to_string(), row.particles.to_string(), row.steps.to_string()]);
+            record.extend([row.core_seconds.to_string(), row.core_ns_per_particle_step.to_string()]);
+            file.write_record(&record).map_err(wrong)?;
+        }
+        file.flush().map_err(OutputError::file("write", path))
+    }
+
+    /// Error of the first measure that has one, against cost: a line for all runs that differ in
+    /// their resolution only.
+    fn series(&self) -> Vec<Series> {
+        let mut all: Vec<Series> = Vec::new();
+        for row in &self.rows {
+            let Some(error) = row.measures.iter().find_map(|measure| measure.error) else {
+                continue;
+            };
+            let pairs = self.keys.iter().zip(&row.settings);
+            let (sizes, others): (Vec<_>, Vec<_>) =
+                pairs.partition(|(key, _)| RESOLUTION.contains(&key.as_str()));
+            let join = |pairs: &[(&String, &String)]| {
+                pairs.iter().map(|(key, value)| format!("{key} {value}")).collect::<Vec<_>>().join(", ")
+            };
+            let name = if others.is_empty() { "measured".to_owned() } else { join(&others) };
+            let label = sizes.first().map_or(String::new(), |(_, value)| (*value).clone());
+            let point = (row.core_seconds, error.abs(), label, row.particle_size);
+            match all.iter_mut().find(|series| series.name == name) {
+                Some(series) => series.push(point),
+                None => all.push(Series::ours(name, point)),
+            }
+        }
+        all
+    }
+
+    fn plot(&self, series: &[Series], label: &str) -> Plot {
+        let curves = series.iter().flat_map(|series| {
+            let x: Vec<f64> = series.points.iter().map(|point| point.x).collect();
+            let y: Vec<f64> = series.points.iter().map(|point| point.y).collect();
+            let curve = |style| Curve { label: series.name.clone(), x: x.clone(), y: y.clone(), style };
+            [curve(if x.len() > 1 { Style::Line } else { Style::Points })]
+        });
+        let curves = curves.collect();
+        let x_label = "core-seconds".to_owned();
+        let y_label = label.to_owned();
+        Plot { title: self.scene.clone(), x_label, y_label, curves, log_x: true, log_y: true }
+    }
+
+    fn orders(&self, series: &[Series]) -> Vec<String> {
+        let order = |series: &Series| {
+            let points: Vec<(f64, f64)> = series.points.iter().map(|point| (point.size, point.y)).collect();
+            order(&points).map(|order| order_in_words(&series.name, order))
+        };
+        series.iter().filter_map(order).collect()
+    }
+}

@@ -1,0 +1,87 @@
+//! `meniscus verify`: every case against what is exact, what the paper says and what mesh codes give.
+
+mod catalogue;
+mod judge;
+mod present;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use crate::command::pool;
+use crate::failure::Failure;
+use crate::output::OutputError;
+use crate::output::report::write_page;
+use crate::output::summary::Status;
+use crate::run::INTERRUPTED;
+use crate::study::batch::{Job, prepare, run_all};
+use catalogue::Level;
+use judge::judge;
+
+const EXAMPLES: &str = "\
+Examples:
+  meniscus verify                                 all cases, coarse: under three minutes on two cores
+  meniscus verify laplace-drop --level paper      one case at the paper's resolutions
+  meniscus verify --level fine --out fine
+
+DIR gets verify.html, verify.json, and each run's own results in runs/.
+Exit codes: 0 all targets met; 1 a target missed; 2 bad input; 130 interrupted.";
+
+/// Arguments of `verify`.
+#[derive(clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct VerifyArguments {
+    /// Cases to verify [default: all]
+    #[arg(value_name = "CASE")]
+    names: Vec<String>,
+    /// How thoroughly
+    #[arg(long, value_enum, default_value_t = Level::Quick)]
+    level: Level,
+    /// Folder for the results
+    #[arg(long, value_name = "DIR", default_value = "runs/verify")]
+    out: PathBuf,
+    /// Replace an earlier verification in the folder
+    #[arg(long)]
+    overwrite: bool,
+    /// Folder of the cases
+    #[arg(long, value_name = "DIR", default_value = "cases")]
+    cases: PathBuf,
+    /// Threads [default: one for each core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
+    /// Show no progress
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+/// Runs the cases and tells which targets they met.
+pub(crate) fn verify(arguments: &VerifyArguments) -> Result<ExitCode, Failure> {
+    let cases = catalogue::read(&arguments.cases, &arguments.names)?;
+    let mut jobs = Vec::new();
+    let mut plan = Vec::new();
+    for case in &cases {
+        for &resolution in case.resolutions(arguments.level) {
+            let name = format!("{}-{resolution}", case.name);
+            jobs.push(Job::read(name, &case.scene(&arguments.cases), &case.settings(resolution))?);
+            plan.push((case, resolution));
+        }
+    }
+    prepare(&arguments.out, arguments.overwrite, "verify.json")?;
+    let pool = pool(arguments.threads)?;
+    let summaries = run_all(&jobs, &arguments.out, (&pool, arguments.quiet))?;
+    if summaries.iter().any(|summary| summary.status == Some(Status::Interrupted)) {
+        eprintln!("interrupted after {} of {} runs", summaries.len() - 1, jobs.len());
+        return Ok(ExitCode::from(INTERRUPTED));
+    }
+    let judged = plan.iter().zip(&summaries);
+    let rows: Vec<_> =
+        judged.flat_map(|((case, resolution), summary)| judge(case, *resolution, summary)).collect();
+    let path = arguments.out.join("verify.json");
+    let json = serde_json::to_string_pretty(&rows).unwrap_or_default();
+    std::fs::write(&path, json + "\n").map_err(OutputError::file("write", &path))?;
+    let page = arguments.out.join("verify.html");
+    write_page(&page, &present::page(&cases, &rows))?;
+    let missed = rows.iter().filter(|row| row.met == Some(false)).count();
+    println!("{}", present::table(&rows));
+    println!("{}\nresults in {}", present::verdict(&rows), page.display());
+    Ok(if missed > 0 { ExitCode::from(1) } else { ExitCode::SUCCESS })
+}
