@@ -6,6 +6,7 @@ use crate::assemble::{Assembly, Equation, Physics, PlanLine, assemble};
 use crate::packing::{PackingError, PackingOptions, pack};
 use crate::region::Region;
 use crate::scene::{EquationOfState, Flux, Scene};
+use crate::shape::Shape;
 use meniscus_engine::clock::Clock;
 use meniscus_engine::field::{Role, Values};
 use meniscus_engine::neighbours::Domain;
@@ -59,7 +60,12 @@ impl Physics {
     /// What a scene models.
     pub fn of(scene: &Scene) -> Physics {
         let sound_speed = scene.derived_sound_speed();
-        let reference_density = scene.liquid.density;
+        // The liquid has the scene's density at the pressure of its surface, not at none: else its artificial
+        // compressibility would shrink a drop.
+        let reference_density = match scene.liquid.equation_of_state {
+            EquationOfState::Linear => scene.liquid.density - rest_pressure(scene) / sound_speed.powi(2),
+            _ => scene.liquid.density,
+        };
         let equation = match scene.liquid.equation_of_state {
             EquationOfState::Linear => Equation::Linear(Linear { sound_speed, reference_density }),
             EquationOfState::MieGrueneisen { adiabat_slope: slope, grueneisen } => {
@@ -83,6 +89,20 @@ impl Physics {
             shifting_speed: scene.fastest_initial_speed().max(scene.capillary_velocity()),
         }
     }
+}
+
+/// The pressure in Pa that surface tension gives the liquid at rest, the mean over its bodies by volume:
+/// 2 sigma/R in a sphere, sigma/R in a jet, and taken as none in other shapes.
+fn rest_pressure(scene: &Scene) -> f64 {
+    let curvature = |shape: &Shape| match shape {
+        Shape::Sphere { radius, .. } => 2.0 / radius,
+        Shape::Cylinder { radius, .. } if scene.domain.period.is_some() => 1.0 / radius,
+        _ => 0.0,
+    };
+    let volumes = scene.bodies.iter().map(|body| (body.shape.volume_about(scene.domain.origin), &body.shape));
+    let (weighted, volume) = volumes
+        .fold((0.0, 0.0), |(sum, total), (volume, shape)| (sum + volume * curvature(shape), total + volume));
+    scene.liquid.surface_tension * weighted / volume
 }
 
 /// Particles before they are ones.

@@ -30,8 +30,8 @@ pub struct ColourCurvature {
     pub surface_tension: f64,
     /// Density at rest in kg/m3.
     pub density: f64,
-    /// Support radius of the colour field in particle sizes. At 12 the velocity of a drop at rest falls;
-    /// at 10 it creeps up.
+    /// Support radius of the colour field in particle sizes. Between 10 and 12 the frequency of a drop
+    /// changes by .02 %; a wider one keeps a drop at rest more quietly, a narrower one resolves necks.
     pub support: f64,
     /// Steps between two computations; in between the Laplace pressure is extrapolated.
     pub interval: u64,

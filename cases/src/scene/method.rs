@@ -61,7 +61,7 @@ impl Method {
             time_integration: TimeIntegration::AdamsBashforth,
             curvature: Curvature::ColourField,
             curvature_interval: 4,
-            colour_support: 12.0,
+            colour_support: 11.0,
             normal_theta: 1.5,
             reference_pressure: ReferencePressure::Component,
             kernel_correction: true,
