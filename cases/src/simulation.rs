@@ -63,7 +63,11 @@ impl Physics {
         // The liquid has the scene's density at the pressure of its surface, not at none: else its artificial
         // compressibility would shrink a drop.
         let reference_density = match scene.liquid.equation_of_state {
-            EquationOfState::Linear => scene.liquid.density - rest_pressure(scene) / sound_speed.powi(2),
+            // (A sound speed far too low must not make this negative: such a run is warned of and fails.)
+            EquationOfState::Linear => {
+                let excess = rest_pressure(scene) / sound_speed.powi(2);
+                scene.liquid.density - excess.min(0.5 * scene.liquid.density)
+            }
             _ => scene.liquid.density,
         };
         let equation = match scene.liquid.equation_of_state {

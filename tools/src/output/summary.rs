@@ -46,6 +46,9 @@ pub struct Summary {
     /// Processor nanoseconds of all threads per particle and step.
     #[serde(deserialize_with = "number")]
     pub core_ns_per_particle_step: f64,
+    /// How many steps each bound of the time step has set.
+    #[serde(default)]
+    pub step_bounds: Vec<(String, u64)>,
     /// What each stage cost.
     pub stages: Vec<StageCost>,
     /// What was measured, against what is exact.
@@ -164,6 +167,7 @@ pub(in crate::output) mod tests {
             threads: 8,
             ns_per_particle_step: 46.3,
             core_ns_per_particle_step: 370.4,
+            step_bounds: vec![("acoustic".to_owned(), 1000)],
             stages: vec![
                 stage("integrate", 2.0),
                 stage("pair pass: density rate, riemann pressure, energy rate", 14.0),

@@ -52,6 +52,12 @@ pub fn print_table(summary: &Summary, out: &mut impl Write) -> io::Result<()> {
     if !summary.stages.is_empty() {
         writeln!(out, "{}", stages_table(summary))?;
     }
+    if !summary.step_bounds.is_empty() {
+        let bounds = summary.step_bounds.iter();
+        let bounds: Vec<String> =
+            bounds.map(|(reason, steps)| format!("{reason} ({} steps)", grouped(*steps))).collect();
+        writeln!(out, "time step set by: {}", bounds.join(", "))?;
+    }
     let kept = &summary.conservation;
     writeln!(
         out,
@@ -113,7 +119,9 @@ fn align(mut table: Table) -> Table {
 
 /// A relative deviation: in percent, or with an exponent where it is tiny.
 fn relative(error: f64) -> String {
-    if error != 0.0 && error.abs() < 1e-5 {
+    if error.is_nan() {
+        "not known".to_owned()
+    } else if error != 0.0 && error.abs() < 1e-5 {
         significant(error, 2)
     } else {
         format!("{} %", significant(error * 100.0, 3))
