@@ -144,13 +144,6 @@ impl Lanes {
         Lanes(LANE.simd_lt(f64x8::splat(count as f64)).select(self.0, f64x8::ZERO))
     }
 
-    /// `value` where 0 < self < 1, zero elsewhere and where self is not a number.
-    #[inline(always)]
-    pub fn within_unit(self, value: Lanes) -> Self {
-        let below_one = self.0.simd_lt(f64x8::ONE).select(value.0, f64x8::ZERO);
-        Lanes(self.0.simd_gt(f64x8::ZERO).select(below_one, f64x8::ZERO))
-    }
-
     /// Sum over the lanes in a fixed order: ((0+1)+(2+3)) + ((4+5)+(6+7)).
     #[inline(always)]
     pub fn sum(self) -> f64 {

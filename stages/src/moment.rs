@@ -12,13 +12,6 @@ pub struct Moment {
 }
 
 impl Moment {
-    /// The smaller eigenvalue.
-    #[inline]
-    pub fn smallest_eigenvalue(&self) -> f64 {
-        let half_difference = 0.5 * (self.rr - self.zz);
-        0.5 * self.trace() - (half_difference * half_difference + self.rz * self.rz).sqrt()
-    }
-
     /// Whether both eigenvalues are at least `least`, without a root: trace and determinant of
     /// L - least are those of a matrix without negative eigenvalues.
     #[inline]
@@ -63,7 +56,6 @@ mod tests {
     #[test]
     fn eigenvalue_and_inverse() {
         let moment = Moment { rr: 2.0, rz: 1.0, zz: 2.0 };
-        assert!((moment.smallest_eigenvalue() - 1.0).abs() < 1e-15);
         assert!(moment.eigenvalues_at_least(0.999) && !moment.eigenvalues_at_least(1.001));
         let [r, z] = moment.inverse().apply(moment.apply([0.3, -0.7]));
         assert!((r - 0.3).abs() < 1e-15 && (z + 0.7).abs() < 1e-15);
