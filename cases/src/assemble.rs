@@ -194,12 +194,7 @@ impl Builder<'_> {
     }
 
     fn sort(&mut self) -> Box<dyn Stage> {
-        let skin = self.skin();
-        Box::new(SortBin::new(&mut self.wiring, self.packing, skin))
-    }
-
-    fn skin(&self) -> f64 {
-        self.physics.method.skin * self.physics.particle_size
+        Box::new(SortBin::new(&mut self.wiring, self.packing))
     }
 
     /// The stages of one time step, in their order.
@@ -306,7 +301,7 @@ impl Builder<'_> {
             field: self.colour.clone(),
             highest: if method.colour_guard > 0.0 { method.colour_guard } else { f64::INFINITY },
             support: method.colour_support,
-            slack: 0.5 * self.skin(),
+            with_offset: self.colour_curvature(),
         });
         let interval = method.curvature_interval;
         Box::new(BoundaryDetect::new(&mut self.wiring, self.packing, interval, guard))

@@ -131,6 +131,12 @@ impl Lanes {
         Lanes(self.0.simd_gt(threshold.0).select(yes.0, no.0))
     }
 
+    /// One bit for every lane that is below the other's, lane 0 the lowest.
+    #[inline(always)]
+    pub fn less_bits(self, other: Lanes) -> u32 {
+        self.0.simd_lt(other.0).to_bitmask()
+    }
+
     /// Whether every lane is above zero; false for a NaN.
     #[inline(always)]
     pub fn all_positive(self) -> bool {
@@ -238,6 +244,34 @@ fn transpose(rows: [&Row; WIDTH]) -> [Lanes; WIDTH] {
     std::array::from_fn(|slot| Lanes(f64x8::new(std::array::from_fn(|lane| rows[lane].0[slot]))))
 }
 
+/// The chosen of eight numbers first, in their order; bit k of `chosen` stands for number k. What follows
+/// them is not defined.
+#[cfg(target_feature = "avx512f")]
+#[inline(always)]
+pub fn pack(numbers: &[u32; WIDTH], chosen: u32) -> [u32; WIDTH] {
+    use std::arch::x86_64::*;
+    // SAFETY: the load reads the 32 bytes that the array holds; avx512f is enabled at build time.
+    unsafe {
+        let all = _mm512_castsi256_si512(_mm256_loadu_si256(numbers.as_ptr().cast()));
+        let packed = _mm512_maskz_compress_epi32((chosen & 0xff) as __mmask16, all);
+        std::mem::transmute::<__m256i, [u32; WIDTH]>(_mm512_castsi512_si256(packed))
+    }
+}
+
+/// The chosen of eight numbers first, in their order; bit k of `chosen` stands for number k. What follows
+/// them is not defined.
+#[cfg(not(target_feature = "avx512f"))]
+#[inline(always)]
+pub fn pack(numbers: &[u32; WIDTH], chosen: u32) -> [u32; WIDTH] {
+    let mut packed = [0; WIDTH];
+    let mut length = 0;
+    for (k, &number) in numbers.iter().enumerate() {
+        packed[length] = number;
+        length += ((chosen >> k) & 1) as usize;
+    }
+    packed
+}
+
 macro_rules! operator {
     ($trait:ident, $method:ident) => {
         impl $trait for Lanes {
@@ -300,6 +334,13 @@ mod tests {
             let expected: [f64; WIDTH] = std::array::from_fn(|row| (10 * row + slot) as f64);
             assert_eq!(lanes.to_array(), expected);
         }
+    }
+
+    #[test]
+    fn packing_keeps_the_order() {
+        let numbers = [10, 11, 12, 13, 14, 15, 16, 17];
+        assert_eq!(pack(&numbers, 0b1010_0110)[..4], [11, 12, 15, 17]);
+        assert_eq!(pack(&numbers, 0xff), numbers);
     }
 
     #[test]

@@ -1,5 +1,5 @@
-//! Neighbour lists that are valid for many steps: every pair within the sum of two particles' reaches
-//! plus a skin, in blocks of eight particles whose entries are interleaved (sliced ELL).
+//! Neighbour lists that are valid for many steps: every pair within the sum of two particles' reaches,
+//! in blocks of eight particles whose entries are interleaved (sliced ELL).
 //!
 //! ```text
 //! for each block of 8 particles: for each entry k: [neighbour k of particle 0, ..., of particle 7]
@@ -8,7 +8,7 @@
 //! Images (mirrored at the axis, shifted by the period) are numbered after the particles.
 
 use crate::bins::Bins;
-use crate::lanes::WIDTH;
+use crate::lanes::{Lanes, WIDTH, pack};
 use crate::parallel;
 
 /// Where the half plane ends or repeats.
@@ -77,14 +77,16 @@ pub struct NeighbourList {
     entries: Vec<[u32; WIDTH]>,
     bins: Bins,
     points: [Vec<f64>; 3],
+    sorted: [Vec<f64>; 3],
+    members: Vec<u32>,
     builds: u64,
 }
 
 impl NeighbourList {
     /// Builds the list for particles at (r, z) (metres): a pair is listed if its distance is below
-    /// reach_a + reach_b + skin (metres).
-    pub fn build(&mut self, r: &[f64], z: &[f64], reach: &[f64], skin: f64, domain: &Domain) {
-        let largest = 2.0 * parallel::maximum(reach.len(), |i| reach[i]) + skin;
+    /// reach_a + reach_b (metres).
+    pub fn build(&mut self, r: &[f64], z: &[f64], reach: &[f64], domain: &Domain) {
+        let largest = 2.0 * parallel::maximum(reach.len(), |i| reach[i]);
         domain.images(r, z, largest, &mut self.images);
         for (points, values) in self.points.iter_mut().zip([r, z, reach]) {
             points.clear();
@@ -97,18 +99,28 @@ impl NeighbourList {
             self.points[1].push(image_z);
             self.points[2].push(reach[source]);
         }
-        self.bins.build(&self.points[0], &self.points[1], largest);
+        // Cells of half the largest distance: five rows of them hold fewer points than three of twice the size.
+        self.bins.build(&self.points[0], &self.points[1], 0.5 * largest);
+        for (sorted, points) in self.sorted.iter_mut().zip(&self.points) {
+            sorted.clear();
+            sorted.extend(self.bins.members().iter().map(|&member| points[member as usize]));
+            sorted.resize(points.len() + WIDTH, 0.0);
+        }
+        self.members.clear();
+        self.members.extend_from_slice(self.bins.members());
+        self.members.resize(self.bins.members().len() + WIDTH, 0);
         self.builds += 1;
-        self.fill(r.len(), largest, skin);
+        self.fill(r.len(), largest);
     }
 
-    fn fill(&mut self, len: usize, largest: f64, skin: f64) {
-        let search = Search { bins: &self.bins, points: &self.points, largest, skin };
+    fn fill(&mut self, len: usize, largest: f64) {
+        let (points, sorted, members) = (&self.points, &self.sorted, &self.members);
+        let search = Search { bins: &self.bins, points, sorted, members, largest };
         self.counts.resize(len, 0);
         parallel::for_chunks(len, &mut self.counts[..], |start, counts| {
             for (k, count) in counts.iter_mut().enumerate() {
                 *count = 0;
-                search.near(start + k, |_| *count += 1);
+                search.near(start + k, |_, inside| *count += inside.count_ones());
             }
         });
         self.block_start.clear();
@@ -173,22 +185,29 @@ impl NeighbourList {
 struct Search<'a> {
     bins: &'a Bins,
     points: &'a [Vec<f64>; 3],
+    /// The points in the order of their cells, and their numbers.
+    sorted: &'a [Vec<f64>; 3],
+    members: &'a [u32],
     largest: f64,
-    skin: f64,
 }
 
 impl Search<'_> {
-    #[inline]
-    fn near(&self, a: usize, mut found: impl FnMut(u32)) {
+    /// Calls `found(members, inside)` for eight members at a time with a bit for each that is listed for
+    /// particle a. They are tested side by side: a branch on each would be guessed wrong as often as not.
+    #[inline(always)]
+    fn near(&self, a: usize, mut found: impl FnMut(&[u32; WIDTH], u32)) {
         let [r, z, reach] = self.points;
-        let (r_a, z_a, reach_a) = (r[a], z[a], reach[a] + self.skin);
-        self.bins.near(r_a, z_a, self.largest, |range| {
-            for &b in &self.bins.members()[range] {
-                let k = b as usize;
-                let (dr, dz, limit) = (r[k] - r_a, z[k] - z_a, reach_a + reach[k]);
-                if dr * dr + dz * dz < limit * limit && k != a {
-                    found(b);
-                }
+        let (r_a, z_a, reach_a) = (Lanes::splat(r[a]), Lanes::splat(z[a]), Lanes::splat(reach[a]));
+        self.bins.near(r[a], z[a], self.largest, |range| {
+            for start in range.clone().step_by(WIDTH) {
+                let [r, z, reach] = self.sorted;
+                let (dr, dz) = (Lanes::load(&r[start..]) - r_a, Lanes::load(&z[start..]) - z_a);
+                let limit = Lanes::load(&reach[start..]) + reach_a;
+                let square = dr * dr + dz * dz;
+                // At distance zero lies the particle itself: it is no pair.
+                let inside = square.less_bits(limit * limit) & Lanes::ZERO.less_bits(square);
+                let members = self.members[start..start + WIDTH].try_into().expect("eight members");
+                found(members, inside & (0xff >> (WIDTH - (range.end - start).min(WIDTH))));
             }
         });
     }
@@ -219,11 +238,24 @@ fn fill_blocks(
         for lane in 0..WIDTH {
             let particle = start + lane;
             let mut count = 0;
-            if particle < last {
-                search.near(particle, |b| {
+            let mut store = |found: &[u32]| {
+                for &b in found {
                     block_entries[count][lane] = b;
                     count += 1;
+                }
+            };
+            if particle < last {
+                let mut found = [0; 16 * WIDTH];
+                let mut length = 0;
+                search.near(particle, |members, inside| {
+                    if length + WIDTH > found.len() {
+                        store(&found[..length]);
+                        length = 0;
+                    }
+                    found[length..length + WIDTH].copy_from_slice(&pack(members, inside));
+                    length += inside.count_ones() as usize;
                 });
+                store(&found[..length]);
             }
             for entry in &mut block_entries[count..] {
                 entry[lane] = particle.min(last - 1) as u32;
@@ -247,9 +279,8 @@ mod tests {
         let (r, z) = points(700);
         let reach: Vec<f64> = (0..700).map(|i| 0.02 + 0.02 * ((i % 5) as f64)).collect();
         let domain = Domain { origin: 0.0, period: Some((0.0, 1.0)) };
-        let skin = 0.01;
         let mut list = NeighbourList::default();
-        list.build(&r, &z, &reach, skin, &domain);
+        list.build(&r, &z, &reach, &domain);
         for a in 0..700 {
             let mut listed: Vec<usize> = list.of(a).collect();
             listed.sort_unstable();
@@ -258,7 +289,7 @@ mod tests {
                 let s = list.source(b);
                 let (br, bz) =
                     if b < 700 { (r[b], z[b]) } else { domain.place(&list.images()[b - 700], r[s], z[s]) };
-                if b != a && (br - r[a]).hypot(bz - z[a]) < reach[a] + reach[s] + skin {
+                if b != a && (br - r[a]).hypot(bz - z[a]) < reach[a] + reach[s] {
                     expected.push(b);
                 }
             }
@@ -274,7 +305,7 @@ mod tests {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| {
                 let mut list = NeighbourList::default();
-                list.build(&r, &z, &reach, 0.003, &Domain::default());
+                list.build(&r, &z, &reach, &Domain::default());
                 list.entries
             })
         };

@@ -103,6 +103,12 @@ impl Store {
         AtomicRef::filter_map(column.1.borrow(), |v| T::of(v).map(Vec::as_slice))
     }
 
+    /// A column by name, to change; `None` as for [`Store::by_name`].
+    pub fn by_name_mut<T: Element>(&mut self, name: &str) -> Option<&mut [T]> {
+        let (_, column) = self.columns.iter_mut().find(|(d, _)| d.name == name)?;
+        T::of_mut(column.get_mut()).map(Vec::as_mut_slice)
+    }
+
     /// Sets a column by name before a run; false if there is none of that name, type and length.
     pub fn set<T: Element>(&mut self, name: &str, values: &[T]) -> bool {
         let Some((_, column)) = self.columns.iter_mut().find(|(d, _)| d.name == name) else {

@@ -4,6 +4,7 @@ use crate::colour_field::{Colour, ColourField, Particles};
 use crate::equation_of_state::Packing;
 use crate::fields;
 use crate::moment::Moment;
+use crate::sort_bin::WIDEST_SKIN;
 use crate::surface::{BOUNDARY, INSIDE, NEAR_BOUNDARY};
 use meniscus_engine::parallel;
 use meniscus_engine::pipeline::{Fault, Stage, World};
@@ -24,9 +25,13 @@ pub struct ColourGuard {
     pub highest: f64,
     /// Support radius of the colour field in particle sizes.
     pub support: f64,
-    /// Distance that a particle may move before the neighbour list is built anew, m.
-    pub slack: f64,
+    /// Whether the curvature notes the way from a particle to the surface.
+    pub with_offset: bool,
 }
+
+/// A particle that lay no deeper than so many particle sizes below the surface when it was last looked
+/// for is not deep inside: the guard needn't look.
+const SHALLOW: f64 = 0.8;
 
 /// The stage.
 pub struct BoundaryDetect {
@@ -37,9 +42,11 @@ pub struct BoundaryDetect {
     listed: [Read<f64>; 2],
     size: Read<f64>,
     moment: [Read<f64>; 3],
+    offset: Option<[Read<f64>; 2]>,
     surface: Write<u32>,
     candidates: Vec<u32>,
-    accepted: Vec<bool>,
+    doubtful: Vec<u32>,
+    refused: Vec<u32>,
 }
 
 impl BoundaryDetect {
@@ -47,6 +54,8 @@ impl BoundaryDetect {
     pub fn new(wiring: &mut Wiring, packing: Packing, interval: u64, guard: Option<ColourGuard>) -> Self {
         wiring.stage("boundary-detect");
         let moment = [&fields::MOMENT_RR, &fields::MOMENT_RZ, &fields::MOMENT_ZZ];
+        let offset = [&fields::SURFACE_OFFSET_R, &fields::SURFACE_OFFSET_Z];
+        let with_offset = guard.as_ref().is_some_and(|guard| guard.with_offset);
         BoundaryDetect {
             packing,
             interval,
@@ -55,9 +64,11 @@ impl BoundaryDetect {
             listed: [wiring.read(&fields::LIST_RADIUS), wiring.read(&fields::LIST_AXIAL)],
             size: wiring.read(&fields::SIZE),
             moment: moment.map(|field| wiring.read(field)),
+            offset: with_offset.then(|| offset.map(|field| wiring.read(field))),
             surface: wiring.write(&fields::SURFACE),
             candidates: Vec::new(),
-            accepted: Vec::new(),
+            doubtful: Vec::new(),
+            refused: Vec::new(),
         }
     }
 
@@ -72,10 +83,22 @@ impl BoundaryDetect {
         }
     }
 
-    /// Takes up the particles in the shared colour field and asks it about every candidate.
+    /// Candidates whose depth below the surface is not known to be small.
+    fn find_doubtful(&mut self, world: &World) {
+        let size = world.store.read(self.size);
+        let offset = self.offset.map(|fields| fields.map(|field| world.store.read(field)));
+        let is_shallow = |i: usize| {
+            let Some([r, z]) = &offset else { return false };
+            let depth = r[i].hypot(z[i]);
+            depth > 0.0 && depth < SHALLOW * size[i].min(self.packing.largest_size)
+        };
+        self.doubtful.clear();
+        self.doubtful.extend(self.candidates.iter().filter(|&&i| !is_shallow(i as usize)));
+    }
+
+    /// Takes up the particles in the shared colour field and asks it about every doubtful candidate.
     fn ask_guard(&mut self, world: &World) {
-        self.accepted.clear();
-        self.accepted.resize(self.candidates.len(), true);
+        self.refused.clear();
         let Some(guard) = &self.guard else { return };
         let [r, z] = self.position.map(|field| world.store.read(field));
         let [list_r, list_z] = self.listed.map(|field| world.store.read(field));
@@ -83,23 +106,23 @@ impl BoundaryDetect {
         let support = guard.support * self.packing.largest_size;
         let area = world.arena.alloc_slice_fill_with(size.len(), |i| size[i] * size[i]);
         let source = Particles { r: &r, z: &z, area, list_r: &list_r, list_z: &list_z, support };
+        let slack = 0.25 * WIDEST_SKIN * self.packing.largest_size;
         let mut field = guard.field.lock().expect("no stage panics while it holds the colour field");
-        field.refresh(&source, world.neighbours.builds(), guard.slack, &self.packing.domain);
-        let (r, z, size, candidates) = (&r[..], &z[..], &size[..], &self.candidates[..]);
+        field.refresh(&source, world.neighbours.builds(), slack, &self.packing.domain);
+        let (r, z, size, doubtful) = (&r[..], &z[..], &size[..], &self.doubtful[..]);
         let largest = self.packing.largest_size;
         let mut known = std::mem::take(&mut field.known);
-        known.resize(candidates.len(), (0, Colour::default()));
+        known.resize(doubtful.len(), (0, Colour::default()));
         let look = &*field;
-        parallel::for_chunks_of(16, candidates.len(), &mut known[..], |start, known| {
+        parallel::for_chunks_of(16, doubtful.len(), &mut known[..], |start, known| {
             for (k, known) in known.iter_mut().enumerate() {
-                let i = candidates[start + k] as usize;
+                let i = doubtful[start + k] as usize;
                 let support = guard.support * size[i].min(largest);
-                *known = (candidates[start + k], look.at(r[i], z[i], support));
+                *known = (doubtful[start + k], look.at(r[i], z[i], support));
             }
         });
-        for (accepted, (_, colour)) in self.accepted.iter_mut().zip(&known) {
-            *accepted = colour.value <= guard.highest;
-        }
+        let deep = known.iter().filter(|(_, colour)| colour.value > guard.highest);
+        self.refused.extend(deep.map(|(particle, _)| *particle));
         field.known = known;
     }
 
@@ -109,12 +132,18 @@ impl BoundaryDetect {
         let size = world.store.read(self.size);
         let Packing { domain, theta, largest_size } = self.packing;
         surface.fill(INSIDE);
-        for (&candidate, _) in self.candidates.iter().zip(&self.accepted).filter(|(_, a)| **a) {
+        for &candidate in &self.candidates {
             surface[candidate as usize] = BOUNDARY;
         }
+        for &candidate in &self.refused {
+            surface[candidate as usize] = INSIDE;
+        }
         let list = &world.neighbours;
-        for (&candidate, _) in self.candidates.iter().zip(&self.accepted).filter(|(_, a)| **a) {
+        for &candidate in &self.candidates {
             let a = candidate as usize;
+            if surface[a] != BOUNDARY {
+                continue;
+            }
             for number in list.of(a) {
                 let b = list.source(number);
                 if surface[b] != INSIDE {
@@ -143,6 +172,7 @@ impl Stage for BoundaryDetect {
             return Ok(());
         }
         self.find_candidates(world);
+        self.find_doubtful(world);
         self.ask_guard(world);
         self.mark(world);
         Ok(())

@@ -3,6 +3,7 @@
 use meniscus_engine::bins::Bins;
 use meniscus_engine::lanes::{Lanes, WIDTH};
 use meniscus_engine::neighbours::{Domain, Image};
+use meniscus_engine::parallel;
 use std::f64::consts::PI;
 
 /// Colour and derivatives at a point, SI units.
@@ -33,15 +34,14 @@ pub struct ColourField {
 
 impl ColourField {
     /// Takes up the particles' present positions (m) and areas (m2). `list_build` counts the builds of
-    /// the neighbour list, between which no particle moves farther than `slack`.
-    pub fn refresh(&mut self, source: &Particles, list_build: u64, slack: f64, domain: &Domain) {
+    /// the neighbour list, between which no particle moves farther than `most_slack` metres.
+    pub fn refresh(&mut self, source: &Particles, list_build: u64, most_slack: f64, domain: &Domain) {
         let Particles { r, z, area, list_r, list_z, support } = *source;
         self.known.clear();
         if self.list_build != list_build || self.r.is_empty() {
             self.list_build = list_build;
-            self.slack = slack;
             let count = r.len();
-            domain.images(list_r, list_z, support + 2.0 * slack, &mut self.images);
+            domain.images(list_r, list_z, support + 2.0 * most_slack, &mut self.images);
             // The columns first hold the places at the list's build, to sort by them.
             for (column, own) in [(&mut self.r, list_r), (&mut self.z, list_z)] {
                 column.clear();
@@ -60,6 +60,7 @@ impl ColourField {
                 column.resize(padded, 0.0);
             }
         }
+        self.slack = parallel::maximum(r.len(), |i| (r[i] - list_r[i]).hypot(z[i] - list_z[i]));
         for (k, &member) in self.bins.members().iter().enumerate() {
             let member = member as usize;
             let (source, place) = match member.checked_sub(r.len()) {

@@ -3,7 +3,8 @@
 use crate::colour_field::{Colour, ColourField};
 use crate::equation_of_state::Packing;
 use crate::fields;
-use crate::surface::INSIDE;
+use crate::surface::{BOUNDARY, NEAR_BOUNDARY};
+use atomic_refcell::AtomicRefMut;
 use meniscus_engine::bins::Bins;
 use meniscus_engine::neighbours::Image;
 use meniscus_engine::parallel;
@@ -53,13 +54,14 @@ pub struct CurvatureColour {
     offset: [Update<f64>; 2],
     slope: Option<[Write<f64>; 2]>,
     step_bound: f64,
-    flagged: Vec<u32>,
+    boundary: Vec<u32>,
+    near_boundary: Vec<u32>,
     found: Vec<Found>,
     slopes: Vec<[f64; 2]>,
     neighbours: SurfaceNeighbours,
 }
 
-/// Flagged particles and their images, to be searched.
+/// Boundary particles and their images, to be searched.
 #[derive(Default)]
 struct SurfaceNeighbours {
     r: Vec<f64>,
@@ -93,28 +95,34 @@ impl CurvatureColour {
             offset: offset.map(|field| wiring.update(field)),
             step_bound: capillary_bound(settings.surface_tension, density, 0.25 * settings.support * size),
             slope: settings.with_slope.then(|| slope.map(|field| wiring.write(field))),
-            flagged: Vec::new(),
+            boundary: Vec::new(),
+            near_boundary: Vec::new(),
             found: Vec::new(),
             slopes: Vec::new(),
             neighbours: SurfaceNeighbours::default(),
         }
     }
 
+    /// Looks for the surface from every boundary particle.
     fn measure(&mut self, world: &World) {
         let [r, z] = self.position.map(|field| world.store.read(field));
         let (size, surface) = (world.store.read(self.size), world.store.read(self.surface));
-        self.flagged.clear();
-        self.flagged.extend((0..r.len() as u32).filter(|&i| surface[i as usize] != INSIDE));
+        let surface = &surface[..];
+        let with = |flag: u32| (0..r.len() as u32).filter(move |&i| surface[i as usize] == flag);
+        self.boundary.clear();
+        self.boundary.extend(with(BOUNDARY));
+        self.near_boundary.clear();
+        self.near_boundary.extend(with(NEAR_BOUNDARY));
         let [offset_r, offset_z] = self.offset.map(|field| world.store.write(field));
         let (offset_r, offset_z) = (&offset_r[..], &offset_z[..]);
         self.found.clear();
-        self.found.resize(self.flagged.len(), Found::default());
+        self.found.resize(self.boundary.len(), Found::default());
         let field = self.field.lock().expect("no stage panics while it holds the colour field");
-        let (r, z, size, flagged) = (&r[..], &z[..], &size[..], &self.flagged[..]);
+        let (r, z, size, boundary) = (&r[..], &z[..], &size[..], &self.boundary[..]);
         let (field, settings, packing) = (&*field, self.settings, self.packing);
-        parallel::for_chunks_of(16, flagged.len(), &mut self.found[..], |start, found| {
+        parallel::for_chunks_of(16, boundary.len(), &mut self.found[..], |start, found| {
             for (k, found) in found.iter_mut().enumerate() {
-                let particle = flagged[start + k];
+                let particle = boundary[start + k];
                 let i = particle as usize;
                 let size = size[i].min(packing.largest_size);
                 let known = field.known.binary_search_by_key(&particle, |(known, _)| *known);
@@ -130,39 +138,66 @@ impl CurvatureColour {
     }
 
     /// Sets the Laplace pressure, and its rate where it was known before.
-    fn store_pressure(&self, world: &mut World) {
+    fn store_pressure(&mut self, world: &mut World) {
         let elapsed = world.clock.time - world.clock.mark("curvature");
-        let mut pressure = world.store.write(self.pressure);
+        let mut columns = Columns {
+            pressure: world.store.write(self.pressure),
+            slope: self.slope.map(|slope| slope.map(|field| world.store.write(field))),
+            offset: self.offset.map(|field| world.store.write(field)),
+        };
+        let before: &[f64] = world.arena.alloc_slice_copy(&columns.pressure);
+        columns.clear();
+        for (k, &i) in self.boundary.iter().enumerate() {
+            let found = &self.found[k];
+            let pressure = self.settings.surface_tension * found.curvature;
+            columns.set(i, pressure, self.slopes[k], found.offset);
+        }
+        let [r, z] = self.position.map(|field| world.store.read(field));
+        for &i in &self.near_boundary {
+            let (pressure, slope, offset) = self.beside([r[i as usize], z[i as usize]]);
+            columns.set(i, pressure, slope, offset);
+        }
         let mut rate = world.store.write(self.rate);
         rate.fill(0.0);
-        let [mut offset_r, mut offset_z] = self.offset.map(|field| world.store.write(field));
-        offset_r.fill(0.0);
-        offset_z.fill(0.0);
-        let before: &[f64] = world.arena.alloc_slice_copy(&pressure);
-        pressure.fill(0.0);
-        for (&i, found) in self.flagged.iter().zip(&self.found) {
+        for &i in self.boundary.iter().chain(&self.near_boundary) {
             let i = i as usize;
-            pressure[i] = self.settings.surface_tension * found.curvature;
-            [offset_r[i], offset_z[i]] = found.offset;
             if before[i] != 0.0 && elapsed > 0.0 {
-                rate[i] = (pressure[i] - before[i]) / elapsed;
+                rate[i] = (columns.pressure[i] - before[i]) / elapsed;
             }
         }
         world.clock.set_mark("curvature");
     }
 
-    /// dP_L/dt along the surface by weighted least squares over flagged particles within 3 D
+    /// Laplace pressure, its slope and the way to the surface at a place beside the surface: those of the
+    /// nearest boundary particle, carried on along the surface.
+    fn beside(&self, [r, z]: [f64; 2]) -> (f64, [f64; 2], [f64; 2]) {
+        let near = &self.neighbours;
+        let Some((member, way)) = near.nearest([r, z], 3.0 * self.packing.largest_size) else {
+            return Default::default();
+        };
+        let k = near.source(member);
+        let mirrored = member.checked_sub(near.r.len()).is_some_and(|image| near.images[image].mirrored);
+        let turned = |[r, z]: [f64; 2]| if mirrored { [-r, z] } else { [r, z] };
+        let (slope, offset) = (turned(self.slopes[k]), turned(self.found[k].offset));
+        let tangent = turned(self.found[k].tangent);
+        let pressure = self.settings.surface_tension * self.found[k].curvature;
+        let foot = [way[0] + offset[0], way[1] + offset[1]];
+        let along = foot[0] * tangent[0] + foot[1] * tangent[1];
+        // The slope's place is the boundary particle, the way to it is `way`.
+        let carried = pressure - slope[0] * way[0] - slope[1] * way[1];
+        (carried, slope, [foot[0] - along * tangent[0], foot[1] - along * tangent[1]])
+    }
+
+    /// dP_L/dt along the surface by weighted least squares over boundary particles within 3 D
     /// (method.md, section 10, "The surface error, later", T).
-    fn store_slope(&mut self, world: &World) {
-        let Some(slope) = self.slope else { return };
+    fn measure_slope(&mut self, world: &World) {
         let [r, z] = self.position.map(|field| world.store.read(field));
-        let (size, pressure) = (world.store.read(self.size), world.store.write(self.pressure));
-        let [mut slope_r, mut slope_z] = slope.map(|field| world.store.write(field));
+        let size = world.store.read(self.size);
         let largest = self.packing.largest_size;
         let near = &mut self.neighbours;
         for (picked, from) in [(&mut near.r, &r), (&mut near.z, &z)] {
             picked.clear();
-            picked.extend(self.flagged.iter().map(|&i| from[i as usize]));
+            picked.extend(self.boundary.iter().map(|&i| from[i as usize]));
         }
         self.packing.domain.images(&near.r, &near.z, 3.0 * largest, &mut near.images);
         for (points, own) in near.points.iter_mut().zip([&near.r, &near.z]) {
@@ -176,40 +211,77 @@ impl CurvatureColour {
             near.points[1].push(image_z);
         }
         near.bins.build(&near.points[0], &near.points[1], 3.0 * largest);
-        let (near, flagged, found) = (&self.neighbours, &self.flagged[..], &self.found[..]);
-        let (size, pressure) = (&size[..], &pressure[..]);
+        let (near, boundary, found) = (&self.neighbours, &self.boundary[..], &self.found[..]);
+        let (size, tension) = (&size[..], self.settings.surface_tension);
         let slope = |k: usize| {
-            let i = flagged[k] as usize;
-            let reach = 3.0 * size[i].min(largest);
-            let own = [near.r[k], near.z[k], pressure[i]];
+            let reach = 3.0 * size[boundary[k] as usize].min(largest);
+            let own = [near.r[k], near.z[k], tension * found[k].curvature];
             let there = |member: u32| {
-                let b = flagged[near.source(member as usize)] as usize;
-                (size[b] * size[b], pressure[b])
+                let other = near.source(member as usize);
+                let size = size[boundary[other] as usize];
+                (size * size, tension * found[other].curvature)
             };
             near.slope(own, reach, found[k].tangent, there)
         };
         self.slopes.clear();
-        self.slopes.resize(flagged.len(), [0.0; 2]);
-        parallel::for_chunks_of(32, flagged.len(), &mut self.slopes[..], |start, slopes| {
+        self.slopes.resize(boundary.len(), [0.0; 2]);
+        parallel::for_chunks_of(32, boundary.len(), &mut self.slopes[..], |start, slopes| {
             for (k, slope_here) in slopes.iter_mut().enumerate() {
                 *slope_here = slope(start + k);
             }
         });
-        slope_r.fill(0.0);
-        slope_z.fill(0.0);
-        for (&i, &[r, z]) in flagged.iter().zip(&self.slopes) {
-            (slope_r[i as usize], slope_z[i as usize]) = (r, z);
+    }
+}
+
+/// What the stage writes besides the rate.
+struct Columns<'a> {
+    pressure: AtomicRefMut<'a, [f64]>,
+    slope: Option<[AtomicRefMut<'a, [f64]>; 2]>,
+    offset: [AtomicRefMut<'a, [f64]>; 2],
+}
+
+impl Columns<'_> {
+    fn clear(&mut self) {
+        self.pressure.fill(0.0);
+        self.offset.iter_mut().for_each(|column| column.fill(0.0));
+        self.slope.iter_mut().flatten().for_each(|column| column.fill(0.0));
+    }
+
+    fn set(&mut self, particle: u32, pressure: f64, slope: [f64; 2], offset: [f64; 2]) {
+        let i = particle as usize;
+        self.pressure[i] = pressure;
+        for (column, value) in self.offset.iter_mut().zip(offset) {
+            column[i] = value;
+        }
+        for (column, value) in self.slope.iter_mut().flatten().zip(slope) {
+            column[i] = value;
         }
     }
 }
 
 impl SurfaceNeighbours {
-    /// The place in the list of flagged particles behind a member that may be an image.
+    /// The place in the list of boundary particles behind a member that may be an image.
     fn source(&self, member: usize) -> usize {
         match member.checked_sub(self.r.len()) {
             Some(image) => self.images[image].source as usize,
             None => member,
         }
+    }
+
+    /// The nearest member within reach, and the way to it.
+    fn nearest(&self, [r, z]: [f64; 2], reach: f64) -> Option<(usize, [f64; 2])> {
+        let (mut best, mut least) = (None, reach * reach);
+        self.bins.near(r, z, reach, |range| {
+            for &member in &self.bins.members()[range] {
+                let member = member as usize;
+                let way = [self.points[0][member] - r, self.points[1][member] - z];
+                let square = way[0] * way[0] + way[1] * way[1];
+                if square < least {
+                    (best, least) = (Some((member, way)), square);
+                }
+            }
+        });
+        best
     }
 
     /// Weighted least squares of the pressure along the tangent; `there` gives a neighbour's area and
@@ -338,8 +410,8 @@ impl Stage for CurvatureColour {
             return Ok(());
         }
         self.measure(world);
+        self.measure_slope(world);
         self.store_pressure(world);
-        self.store_slope(world);
         Ok(())
     }
 }

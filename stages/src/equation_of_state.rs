@@ -3,6 +3,7 @@
 use crate::fields;
 use crate::liquids::EquationOfState;
 use crate::record::{Deformation, Flow, image_of_deformation, image_of_flow};
+use meniscus_engine::lanes::{Lanes, WIDTH};
 use meniscus_engine::neighbours::Domain;
 use meniscus_engine::parallel;
 use meniscus_engine::pipeline::{Fault, Stage, World};
@@ -19,6 +20,20 @@ pub struct Packing {
     pub theta: f64,
     /// Largest particle size for which the support grows, m: near the axis D grows without bound.
     pub largest_size: f64,
+}
+
+impl Packing {
+    /// D = sqrt(V), m, of a particle at r (m) with its density (kg/m3) and mass (kg).
+    #[inline(always)]
+    pub fn size(&self, r: f64, density: f64, mass: f64) -> f64 {
+        (mass / (2.0 * PI * (r + self.domain.origin) * density)).sqrt()
+    }
+
+    /// Half the support radius of a pair of equals, 2 theta D, m.
+    #[inline(always)]
+    pub fn reach(&self, r: f64, density: f64, mass: f64) -> f64 {
+        2.0 * self.theta * self.size(r, density, mass).min(self.largest_size)
+    }
 }
 
 /// Rate of deformation and kernel scale for the second row.
@@ -64,69 +79,56 @@ impl<E: EquationOfState> State<E> {
         }
     }
 
-    /// Size, pressure and sound speed of every particle.
-    fn evaluate(&self, world: &World) {
-        let store = &world.store;
-        let r = store.read(self.position[0]);
-        let (density, mass) = (store.read(self.density), store.read(self.mass));
-        let reference = store.read(self.reference_pressure);
-        let energy = self.energy.map(|field| store.read(field));
-        let [u, w] = self.velocity.map(|field| store.read(field));
-        let (mut size, mut pressure) = (store.write(self.size), store.write(self.pressure));
-        let mut sound_speed = store.write(self.sound_speed);
-        let origin = self.packing.domain.origin;
-        let inputs = (&r[..], &density[..], &mass[..], &reference[..]);
-        let outputs = (&mut size[..], &mut pressure[..], &mut sound_speed[..]);
-        let (energy, u, w) = (energy.as_deref(), &u[..], &w[..]);
-        parallel::for_chunks(r.len(), (inputs, outputs), |start, (inputs, outputs)| {
-            let (r, density, mass, reference) = inputs;
-            let (size, pressure, sound_speed) = outputs;
-            let len = r.len();
-            let (density, mass, reference) = (&density[..len], &mass[..len], &reference[..len]);
-            let (size, pressure, sound_speed) =
-                (&mut size[..len], &mut pressure[..len], &mut sound_speed[..len]);
-            for i in 0..len {
-                let internal = energy.map_or(0.0, |energy| {
-                    let (u, w) = (u[start + i], w[start + i]);
-                    energy[start + i] - 0.5 * (u * u + w * w)
-                });
-                size[i] = (mass[i] / (2.0 * PI * (r[i] + origin) * density[i])).sqrt();
-                pressure[i] = self.equation.pressure(density[i], internal) - reference[i];
-                sound_speed[i] = self.equation.sound_speed(density[i], internal);
-            }
-        });
-    }
-
-    fn pack_flow(&self, world: &mut World) {
+    /// Size, pressure and sound speed of every particle, and its row.
+    fn evaluate(&self, world: &mut World) {
         let store = &world.store;
         let [r, z] = self.position.map(|field| store.read(field));
         let [u, w] = self.velocity.map(|field| store.read(field));
-        let density = store.read(self.density);
-        let (size, pressure) = (store.write(self.size), store.write(self.pressure));
-        let sound_speed = store.write(self.sound_speed);
-        let (theta, largest) = (self.packing.theta, self.packing.largest_size);
+        let (density, mass) = (store.read(self.density), store.read(self.mass));
+        let reference = store.read(self.reference_pressure);
+        let energy = self.energy.map(|field| store.read(field));
+        let (mut size, mut pressure) = (store.write(self.size), store.write(self.pressure));
+        let mut sound_speed = store.write(self.sound_speed);
         let columns = (
             (&r[..], &z[..], &u[..], &w[..]),
-            (&density[..], &size[..], &pressure[..], &sound_speed[..]),
+            (&density[..], &mass[..], &reference[..], energy.as_deref()),
+            (&mut size[..], &mut pressure[..], &mut sound_speed[..]),
             &mut world.rows.first[..r.len()],
         );
-        parallel::for_chunks(r.len(), columns, |_, ((r, z, u, w), state, rows)| {
-            let len = rows.len();
-            let (r, z, u, w) = (&r[..len], &z[..len], &u[..len], &w[..len]);
-            let (density, size, pressure, sound_speed) =
-                (&state.0[..len], &state.1[..len], &state.2[..len], &state.3[..len]);
-            for i in 0..len {
-                rows[i] = Flow {
-                    r: r[i],
-                    z: z[i],
-                    reach: 2.0 * theta * size[i].min(largest),
-                    area: size[i] * size[i],
-                    velocity_r: u[i],
-                    velocity_z: w[i],
-                    pressure: pressure[i],
-                    impedance: density[i] * sound_speed[i],
+        parallel::for_chunks(r.len(), columns, |_, (motion, state, results, rows)| {
+            for (k, rows) in rows.chunks_mut(WIDTH).enumerate() {
+                let range = k * WIDTH..k * WIDTH + rows.len();
+                let of = |column: &[f64], fill| Lanes::load_or(&column[range.clone()], fill).to_array();
+                let (r, z, u, w) =
+                    (of(motion.0, 1.0), of(motion.1, 0.0), of(motion.2, 0.0), of(motion.3, 0.0));
+                let (density, mass, reference) = (of(state.0, 1.0), of(state.1, 1.0), of(state.2, 0.0));
+                let energy = state.3.map(|energy| of(energy, 0.0));
+                let internal = |i: usize| match &energy {
+                    Some(energy) => energy[i] - 0.5 * (u[i] * u[i] + w[i] * w[i]),
+                    None => 0.0,
+                };
+                let size = std::array::from_fn(|i| self.packing.size(r[i], density[i], mass[i]));
+                let pressure: [f64; WIDTH] =
+                    std::array::from_fn(|i| self.equation.pressure(density[i], internal(i)) - reference[i]);
+                let sound_speed: [f64; WIDTH] =
+                    std::array::from_fn(|i| self.equation.sound_speed(density[i], internal(i)));
+                for (column, values) in
+                    [(&mut *results.0, &size), (&mut *results.1, &pressure), (&mut *results.2, &sound_speed)]
+                {
+                    column[range.clone()].copy_from_slice(&values[..rows.len()]);
                 }
-                .pack();
+                let flow = Flow {
+                    r,
+                    z,
+                    reach: size
+                        .map(|size: f64| 2.0 * self.packing.theta * size.min(self.packing.largest_size)),
+                    area: size.map(|size| size * size),
+                    velocity_r: u,
+                    velocity_z: w,
+                    pressure,
+                    impedance: std::array::from_fn(|i| density[i] * sound_speed[i]),
+                };
+                flow.pack_into(rows);
             }
         });
     }
@@ -186,7 +188,6 @@ impl<E: EquationOfState> Stage for State<E> {
         let (particles, images) = (world.store.len(), world.neighbours.images().len());
         world.rows.resize(particles, images, self.second.is_some());
         self.evaluate(world);
-        self.pack_flow(world);
         if let Some(second) = &self.second {
             second.pack(world);
         }

@@ -74,11 +74,14 @@ impl Integrate {
     /// dt = CFL min D/sqrt(C^2 + (4 D d eps/dt)^2) (method.md, section 6).
     fn acoustic_bound(&self, world: &World) -> f64 {
         let (size, sound_speed) = (world.store.read(self.size), world.store.read(self.sound_speed));
-        let strain_rate = world.store.read(self.strain_rate);
+        let (strain_rate, r) = (world.store.read(self.strain_rate), world.store.write(self.position[0]));
         let (size, sound_speed, strain_rate) = (&size[..], &sound_speed[..], &strain_rate[..]);
+        let r = &r[..];
+        let origin = self.courant.origin;
         let slowest = parallel::maximum(size.len(), |i| {
             let strain = 4.0 * size[i] * strain_rate[i];
-            (sound_speed[i] * sound_speed[i] + strain * strain) / (size[i] * size[i])
+            let length = size[i].min(2.0 * (r[i] + origin).abs());
+            (sound_speed[i] * sound_speed[i] + strain * strain) / (length * length)
         });
         self.courant.number / slowest.sqrt()
     }

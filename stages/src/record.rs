@@ -126,6 +126,19 @@ impl Flow<f64> {
     }
 }
 
+impl Flow<[f64; WIDTH]> {
+    /// Turns the states of eight particles into as many rows as are asked for.
+    #[inline(always)]
+    pub fn pack_into(&self, rows: &mut [Row]) {
+        let Flow { r, z, reach, area, velocity_r, velocity_z, pressure, impedance } = *self;
+        let slots = [r, z, reach, area, velocity_r, velocity_z, pressure, impedance].map(Row);
+        let eight = Lanes::transpose(std::array::from_fn(|slot| &slots[slot]));
+        for (row, lanes) in rows.iter_mut().zip(eight) {
+            *row = Row(lanes.to_array());
+        }
+    }
+}
+
 impl<T> Deformation<T> {
     #[inline(always)]
     fn unpack([rr, shear, zz, kernel_scale]: [T; WIDTH / 2]) -> Self {

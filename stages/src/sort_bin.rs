@@ -2,6 +2,7 @@
 
 use crate::equation_of_state::Packing;
 use crate::fields;
+use meniscus_engine::lanes::{Lanes, WIDTH};
 use meniscus_engine::morton;
 use meniscus_engine::parallel;
 use meniscus_engine::pipeline::{Fault, Stage, World};
@@ -9,76 +10,96 @@ use meniscus_engine::store::{Read, Update};
 use meniscus_engine::wiring::Wiring;
 use std::f64::consts::PI;
 
-/// The stage. The list is a pure function of the State (order, and the positions and reaches at which
+/// The first skin, for particles whose speed is not known yet.
+const FIRST_SKIN: f64 = 0.1;
+/// The narrowest skin, below which a list is built too often to be worth it whatever the particles do.
+const NARROWEST_SKIN: f64 = 0.02;
+/// The widest skin.
+pub const WIDEST_SKIN: f64 = 0.3;
+/// The cost of building the list over that of the pairs that a skin of one particle size adds to a step.
+const BUILD_COST: f64 = 2.0;
+
+/// The stage. The list is a pure function of the State (order, and the positions and reaches for which
 /// it was built), so that a resumed run finds the list that the interrupted one had.
+///
+/// A reach includes half of the skin, the distance that a pair may close in before the list is built anew. With
+/// particles that move by m a step a skin of s lasts s/(2 m) steps; building costs 2 m/s of a build a step
+/// and walking the pairs in the skin costs in proportion to s: the sum is least for the square root that
+/// [`SortBin`] takes, from the motion since the last build.
 pub struct SortBin {
     packing: Packing,
-    skin: f64,
     position: [Update<f64>; 2],
     density: Read<f64>,
     mass: Read<f64>,
     listed: [Update<f64>; 3],
-    reach: Vec<f64>,
     keys: Vec<(u64, u32)>,
     order: Vec<u32>,
 }
 
 impl SortBin {
-    /// `skin` is the distance in metres that a pair may close in before the list is built anew.
-    pub fn new(wiring: &mut Wiring, packing: Packing, skin: f64) -> Self {
+    /// `packing` gives the support of a pair.
+    pub fn new(wiring: &mut Wiring, packing: Packing) -> Self {
         wiring.stage("sort-bin");
         let listed = [&fields::LIST_RADIUS, &fields::LIST_AXIAL, &fields::LIST_REACH];
         SortBin {
             packing,
-            skin,
             position: [wiring.update(&fields::RADIUS), wiring.update(&fields::AXIAL)],
             density: wiring.read(&fields::DENSITY),
             mass: wiring.read(&fields::MASS),
             listed: listed.map(|field| wiring.update(field)),
-            reach: Vec::new(),
             keys: Vec::new(),
             order: Vec::new(),
         }
     }
 
-    /// Half the support radius of every particle, 2 theta D.
-    fn measure_reach(&mut self, world: &World) {
-        let r = world.store.write(self.position[0]);
-        let (density, mass) = (world.store.read(self.density), world.store.read(self.mass));
-        let Packing { domain, theta, largest_size } = self.packing;
-        self.reach.resize(r.len(), 0.0);
-        let columns = (&r[..], &density[..], &mass[..], &mut self.reach[..]);
-        parallel::for_chunks(r.len(), columns, |_, (r, density, mass, reach)| {
-            let len = reach.len();
-            let (r, density, mass) = (&r[..len], &density[..len], &mass[..len]);
-            for i in 0..len {
-                let area = mass[i] / (2.0 * PI * (r[i] + domain.origin) * density[i]);
-                reach[i] = 2.0 * theta * area.sqrt().min(largest_size);
-            }
-        });
-    }
-
-    /// The most by which one particle's side of a pair has used up the skin.
-    fn used_skin(&self, world: &World) -> f64 {
+    /// Whether every particle lies within the circle for which the list was built; not so for a NaN.
+    fn is_valid(&self, world: &World) -> bool {
         let [r, z] = self.position.map(|field| world.store.write(field));
         let [list_r, list_z, list_reach] = self.listed.map(|field| world.store.write(field));
-        let len = r.len();
-        let (r, z, list_r, list_z) = (&r[..len], &z[..len], &list_r[..len], &list_z[..len]);
-        let (reach, list_reach) = (&self.reach[..len], &list_reach[..len]);
-        parallel::maximum(len, |i| {
-            let (dr, dz) = (r[i] - list_r[i], z[i] - list_z[i]);
-            (dr * dr + dz * dz).sqrt() + (reach[i] - list_reach[i]).max(0.0)
-        })
+        let (density, mass) = (world.store.read(self.density), world.store.read(self.mass));
+        let columns =
+            ((&r[..], &z[..], &density[..], &mass[..]), (&list_r[..], &list_z[..], &list_reach[..]));
+        let origin = Lanes::splat(self.packing.domain.origin);
+        let largest = Lanes::splat(self.packing.largest_size);
+        let (two_pi, two_theta) = (Lanes::splat(2.0 * PI), Lanes::splat(2.0 * self.packing.theta));
+        type Columns<'a> = ((&'a [f64], &'a [f64], &'a [f64], &'a [f64]), (&'a [f64], &'a [f64], &'a [f64]));
+        let body = |_: usize, ((r, z, density, mass), (list_r, list_z, list_reach)): Columns, len: usize| {
+            (0..len).step_by(WIDTH).all(|k| {
+                let load = |column: &[f64], fill| Lanes::load_or(&column[k..len.min(k + WIDTH)], fill);
+                let radius = load(r, 1.0);
+                let (dr, dz) = (radius - load(list_r, 1.0), load(z, 0.0) - load(list_z, 0.0));
+                let area = load(mass, 0.0) / (two_pi * (radius + origin) * load(density, 1.0));
+                let reach = two_theta * area.sqrt().min(largest);
+                let left = load(list_reach, 1.0) - reach - dr.mul_add(dr, dz * dz).sqrt();
+                left.all_positive()
+            })
+        };
+        parallel::fold_chunks(r.len(), columns, &body, &|a, b| a && b)
     }
 
     fn build(&self, world: &mut World) {
         let [r, z, reach] = self.listed.map(|field| world.store.write(field));
-        world.neighbours.build(&r, &z, &reach, self.skin, &self.packing.domain);
+        world.neighbours.build(&r, &z, &reach, &self.packing.domain);
+    }
+
+    /// The skin that costs least if particles go on as since the last build, m.
+    fn best_skin(&self, world: &World) -> f64 {
+        let size = 0.5 * self.packing.largest_size;
+        let elapsed = world.clock.time - world.clock.mark("list");
+        if elapsed <= 0.0 {
+            return FIRST_SKIN * size;
+        }
+        let [r, z] = self.position.map(|field| world.store.write(field));
+        let [list_r, list_z, _] = self.listed.map(|field| world.store.write(field));
+        let moved = parallel::maximum(r.len(), |i| (r[i] - list_r[i]).hypot(z[i] - list_z[i]));
+        let a_step = moved * world.clock.previous_step_size / elapsed;
+        (2.0 * BUILD_COST * a_step * size).sqrt().clamp(NARROWEST_SKIN * size, WIDEST_SKIN * size)
     }
 
     /// Wraps a periodic domain, sorts, and notes where the list is built.
     fn renew(&mut self, world: &mut World) {
-        {
+        let skin = self.best_skin(world);
+        let misplaced = {
             let [r, mut z] = self.position.map(|field| world.store.write(field));
             if let Some((bottom, length)) = self.packing.domain.period {
                 for z in z.iter_mut() {
@@ -86,13 +107,19 @@ impl SortBin {
                 }
             }
             let [mut list_r, mut list_z, mut list_reach] = self.listed.map(|field| world.store.write(field));
+            let (density, mass) = (world.store.read(self.density), world.store.read(self.mass));
             list_r.copy_from_slice(&r);
             list_z.copy_from_slice(&z);
-            list_reach.copy_from_slice(&self.reach);
-            let cell = parallel::maximum(self.reach.len(), |i| self.reach[i]);
-            morton::order(&r, &z, cell, &mut self.keys, &mut self.order);
+            for (i, reach) in list_reach.iter_mut().enumerate() {
+                *reach = self.packing.reach(r[i], density[i], mass[i]) + 0.5 * skin;
+            }
+            let cell = parallel::maximum(r.len(), |i| list_reach[i]);
+            morton::order(&r, &z, cell, &mut self.keys, &mut self.order)
+        };
+        if misplaced {
+            world.store.permute(&self.order);
         }
-        world.store.permute(&self.order);
+        world.clock.set_mark("list");
         self.build(world);
     }
 }
@@ -103,13 +130,13 @@ impl Stage for SortBin {
     }
 
     fn run(&mut self, world: &mut World) -> Result<(), Fault> {
-        self.measure_reach(world);
         let resumed = world.clock.step > 0 && world.neighbours.is_empty();
         if resumed {
             self.build(world);
         }
-        // Both particles of a pair may use half of the skin. A NaN goes on to the stage that names it.
-        if world.neighbours.is_empty() || self.used_skin(world) > 0.5 * self.skin {
+        // A NaN builds the list, too, and goes on to the stage that names it.
+        let valid = !world.neighbours.is_empty() && self.is_valid(world);
+        if !valid {
             self.renew(world);
         }
         Ok(())

@@ -45,8 +45,6 @@ pub struct Method {
     pub shifting: f64,
     /// Courant number, above 0 and at most 1.
     pub cfl: f64,
-    /// Margin of the neighbour lists, in particle sizes; not negative.
-    pub skin: f64,
 }
 
 impl Method {
@@ -71,7 +69,6 @@ impl Method {
             momentum_correction: true,
             shifting: 0.0,
             cfl: 0.5,
-            skin: 0.15,
         }
     }
 
@@ -133,12 +130,11 @@ impl Method {
             cfl: table.read_or("cfl", base.cfl, |entry| {
                 entry.checked(NUMBER, "must be above 0 and at most 1", |value| value > 0.0 && value <= 1.0)
             })?,
-            skin: table.read_or("skin", base.skin, |entry| entry.not_negative(NUMBER))?,
         })
     }
 }
 
-const KEYS: [&str; 19] = [
+const KEYS: [&str; 18] = [
     "scheme",
     "axis",
     "axis_factor",
@@ -157,5 +153,4 @@ const KEYS: [&str; 19] = [
     "momentum_correction",
     "shifting",
     "cfl",
-    "skin",
 ];
