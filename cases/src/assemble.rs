@@ -265,7 +265,8 @@ impl Builder<'_> {
                 theta: method.theta,
                 origin: self.physics.domain.origin,
             };
-            stages.push(Box::new(Shifting::new(&mut self.wiring, strength)));
+            let with_deformation = self.reconstructs();
+            stages.push(Box::new(Shifting::new(&mut self.wiring, strength, with_deformation)));
         }
         stages
     }

@@ -10,6 +10,9 @@ use meniscus_engine::wiring::Wiring;
 /// A step this much shorter than the acoustic one at rest is a blow-up, not a step.
 const VANISHING: f64 = 1e-4;
 
+/// Distance from the axis, in particle sizes, of the innermost particles of a regular packing.
+const INNERMOST: f64 = 0.43;
+
 /// How velocities are brought forward.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scheme {
@@ -71,16 +74,17 @@ impl Integrate {
         }
     }
 
-    /// dt = CFL min D/sqrt(C^2 + (4 D d eps/dt)^2) (method.md, section 6).
+    /// dt = CFL min D/sqrt(C^2 + (4 D d eps/dt)^2) (method.md, section 6), with R/.43 for D where that is
+    /// less: a ring's own hoop terms, P/(rho R) and U_r/R, swing with C/R. (The innermost rings of a regular
+    /// packing lie at .43 D.)
     fn acoustic_bound(&self, world: &World) -> f64 {
         let (size, sound_speed) = (world.store.read(self.size), world.store.read(self.sound_speed));
         let (strain_rate, r) = (world.store.read(self.strain_rate), world.store.write(self.position[0]));
-        let (size, sound_speed, strain_rate) = (&size[..], &sound_speed[..], &strain_rate[..]);
-        let r = &r[..];
-        let origin = self.courant.origin;
+        let (size, sound_speed) = (&size[..], &sound_speed[..]);
+        let (strain_rate, r, origin) = (&strain_rate[..], &r[..], self.courant.origin);
         let slowest = parallel::maximum(size.len(), |i| {
-            let strain = 4.0 * size[i] * strain_rate[i];
-            let length = size[i].min(2.0 * (r[i] + origin).abs());
+            let length = size[i].min((r[i] + origin).abs() / INNERMOST);
+            let strain = 4.0 * length * strain_rate[i];
             (sound_speed[i] * sound_speed[i] + strain * strain) / (length * length)
         });
         self.courant.number / slowest.sqrt()

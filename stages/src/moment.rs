@@ -26,6 +26,12 @@ impl Moment {
         self.rr + self.zz
     }
 
+    /// Half the difference of the eigenvalues over their mean: zero for a neighbourhood without a direction.
+    #[inline]
+    pub fn anisotropy(&self) -> f64 {
+        (self.rr - self.zz).hypot(2.0 * self.rz) / self.trace()
+    }
+
     /// L v.
     #[inline]
     pub fn apply(&self, [r, z]: [f64; 2]) -> [f64; 2] {

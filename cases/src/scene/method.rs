@@ -67,7 +67,7 @@ impl Method {
             strain_correction: true,
             colour_guard: 0.85,
             momentum_correction: true,
-            shifting: 0.0,
+            shifting: 3.0,
             cfl: 0.5,
         }
     }
@@ -85,6 +85,7 @@ impl Method {
             tangential_pressure: false,
             strain_correction: false,
             colour_guard: 0.0,
+            shifting: 0.0,
             cfl: 0.3,
             ..Self::defaults()
         }
