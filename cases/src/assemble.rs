@@ -1,6 +1,8 @@
 //! From a scene's choices to a pipeline: one line a stage, with the reason why it is in or left out.
 
-use crate::scene::{AxisTreatment, Curvature, Flux, Method, ReferencePressure, Scheme, TimeIntegration};
+use crate::scene::{
+    AxisTreatment, Curvature, Flux, Method, ReferencePressure, SHIFTING, Scheme, TimeIntegration,
+};
 use meniscus_engine::neighbours::Domain;
 use meniscus_engine::pairs::{PairPass, PairTerm};
 use meniscus_engine::pipeline::{Pipeline, Stage};
@@ -158,9 +160,13 @@ impl Builder<'_> {
         self.physics.equation.with_energy()
     }
 
+    fn shifting(&self) -> f64 {
+        self.physics.method.shifting.unwrap_or(if self.with_tension() { SHIFTING } else { 0.0 })
+    }
+
     /// Shifting must know the surface, too.
     fn with_surface(&self) -> bool {
-        self.with_tension() || self.physics.method.shifting > 0.0
+        self.with_tension() || self.shifting() > 0.0
     }
 
     /// The moment matrix and the velocity sums serve the reconstruction and the strain's correction.
@@ -257,10 +263,10 @@ impl Builder<'_> {
         // Pictures and files show the pressure: it counts as read.
         self.wiring.stage("outputs");
         self.wiring.read(&fields::PRESSURE);
-        let reasons = ("asked for with a positive coefficient", "its coefficient is zero");
-        if self.plan("shifting", method.shifting > 0.0, reasons) {
+        let reasons = ("flows under surface tension draw particles out into rows", "its coefficient is zero");
+        if self.plan("shifting", self.shifting() > 0.0, reasons) {
             let strength = Strength {
-                coefficient: method.shifting,
+                coefficient: self.shifting(),
                 speed: self.physics.shifting_speed,
                 theta: method.theta,
                 origin: self.physics.domain.origin,
@@ -400,7 +406,7 @@ impl Builder<'_> {
         let weight = self.with_surface().then(|| GhostWeight::new(&mut self.wiring, geometry));
         let sum = self.with_sums().then(|| VelocitySum::new(&mut self.wiring));
         let theta = self.physics.method.theta;
-        let crowding = (self.physics.method.shifting > 0.0).then(|| Crowding::new(&mut self.wiring, theta));
+        let crowding = (self.shifting() > 0.0).then(|| Crowding::new(&mut self.wiring, theta));
         let energy = self.with_energy().then(|| EnergyRate::new(&mut self.wiring, geometry));
         // The sums of most scenes are fused without a question; the rest are options.
         match (moment, weight, sum) {

@@ -14,6 +14,8 @@ pub struct Contact {
     pub dr: Lanes,
     /// z_b - z_a, m.
     pub dz: Lanes,
+    /// 1 - |d|/H, zero beyond the support radius.
+    pub inside: Lanes,
     /// V_b g_ab/|d|, 1/m2: the plain weight of a neighbour.
     pub area_kernel: Lanes,
     /// w_ab g_ab/|d|, 1/m2: the scheme's weight of a neighbour.
@@ -157,6 +159,7 @@ impl<R: FlowState, G: Geometry, F: Reconstruction<R>> Interaction<R> for Contact
         Contact {
             dr,
             dz,
+            inside,
             area_kernel,
             weight_kernel: area_kernel * self.geometry.factor(own, b),
             rise: (carried + pushed) * inverse_impedance,

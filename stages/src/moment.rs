@@ -29,7 +29,15 @@ impl Moment {
     /// Half the difference of the eigenvalues over their mean: zero for a neighbourhood without a direction.
     #[inline]
     pub fn anisotropy(&self) -> f64 {
-        (self.rr - self.zz).hypot(2.0 * self.rz) / self.trace()
+        let (difference, shear) = (self.rr - self.zz, 2.0 * self.rz);
+        (difference * difference + shear * shear).sqrt() / self.trace()
+    }
+
+    /// Whether the anisotropy exceeds a bound, without root or division.
+    #[inline]
+    pub fn is_anisotropic(&self, bound: f64) -> bool {
+        let (difference, shear, most) = (self.rr - self.zz, 2.0 * self.rz, bound * self.trace());
+        difference * difference + shear * shear > most * most
     }
 
     /// L v.

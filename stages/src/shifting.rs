@@ -73,7 +73,7 @@ fn ramp(value: f64, [from, to]: [f64; 2]) -> f64 {
 
 /// What is left of a shift at or near the surface, given the outward direction.
 fn along_surface(shift: [f64; 2], outward: [f64; 2], surface: u32) -> [f64; 2] {
-    let length = outward[0].hypot(outward[1]);
+    let length = (outward[0] * outward[0] + outward[1] * outward[1]).sqrt();
     if surface == INSIDE || length == 0.0 {
         return shift;
     }
@@ -105,14 +105,16 @@ impl Stage for Shifting {
             for k in 0..r.len() {
                 let i = start + k;
                 let radius = r[k] + origin;
-                let anisotropy = Moment { rr: rr[i], rz: rz[i], zz: zz[i] }.anisotropy();
-                let needed = match surface[i] {
-                    BOUNDARY => 1.0,
-                    _ => ramp(anisotropy, UNEVEN).max(ramp(radius / size[i], CLOSING)),
-                };
-                if needed == 0.0 {
+                // Most particles need no shift: the test for it is short, without root or division.
+                let moment = Moment { rr: rr[i], rz: rz[i], zz: zz[i] };
+                let uneven = moment.is_anisotropic(UNEVEN[0]);
+                if !uneven && surface[i] != BOUNDARY && radius >= CLOSING[0] * size[i] {
                     continue;
                 }
+                let needed = match surface[i] {
+                    BOUNDARY => 1.0,
+                    _ => ramp(moment.anisotropy(), UNEVEN).max(ramp(radius / size[i], CLOSING)),
+                };
                 let support = 4.0 * theta * size[i];
                 let speed = match &deformation {
                     Some([rr, shear, zz]) => {
@@ -124,7 +126,7 @@ impl Stage for Shifting {
                 let factor = needed * coefficient * speed * bound.step_size * support;
                 let shift = [-factor * crowding_r[i], -factor * crowding_z[i]];
                 let shift = along_surface(shift, [weight_r[i], weight_z[i]], surface[i]);
-                let length = shift[0].hypot(shift[1]);
+                let length = (shift[0] * shift[0] + shift[1] * shift[1]).sqrt();
                 let keep = if length > CAP * size[i] { CAP * size[i] / length } else { 1.0 };
                 // A shift must not carry a particle across the axis.
                 r[k] += (keep * shift[0]).max(-0.5 * radius);

@@ -10,7 +10,8 @@ use meniscus_tests::liquid::{Random, SIZE};
 use std::collections::HashSet;
 use std::f64::consts::PI;
 
-const SKIN: f64 = 0.3 * SIZE;
+/// The skin of a first list.
+const SKIN: f64 = 0.1 * SIZE;
 const DENSITY: f64 = 1000.0;
 
 struct Cloud {
@@ -23,7 +24,7 @@ impl Cloud {
     fn new(domain: Domain, random: &mut Random) -> Self {
         let packing = Packing { domain, theta: 0.6, largest_size: 2.0 * SIZE };
         let mut wiring = Wiring::new();
-        let sort = SortBin::new(&mut wiring, packing, SKIN);
+        let sort = SortBin::new(&mut wiring, packing);
         wiring.read(&meniscus_stages::fields::IDENTITY);
         let (mut r, mut z, mut mass) = (Vec::new(), Vec::new(), Vec::new());
         for i in 0..300 {
@@ -74,9 +75,8 @@ impl Cloud {
             r[i] = to[0].max(0.02 * SIZE);
             z[i] = to[1];
             self.world.store.set("radius", &r);
-            let used =
-                (r[i] - list_r[i]).hypot(z[i] - list_z[i]) + (self.reach()[i] - list_reach[i]).max(0.0);
-            if used >= 0.5 * SKIN {
+            let used = (r[i] - list_r[i]).hypot(z[i] - list_z[i]) + self.reach()[i];
+            if used >= list_reach[i] {
                 (r[i], z[i]) = before;
             }
         }
@@ -178,4 +178,25 @@ fn growing_supports_use_up_the_skin() {
         assert_eq!(cloud.missing(), 0, "round {round}");
     }
     assert!(cloud.world.neighbours.builds() > 2);
+}
+
+#[test]
+fn the_skin_follows_the_speed() {
+    // The skin of the list after a build, for particles that moved by so much a step since the build before.
+    let skin_after = |a_step: f64| {
+        let mut cloud = Cloud::new(domains()[0], &mut Random::new(47));
+        cloud.world.clock.step = 0;
+        cloud.run();
+        let moved = 0.2 * SIZE;
+        let z: Vec<f64> = cloud.column("axial").iter().map(|z| z + moved).collect();
+        cloud.world.store.set("axial", &z);
+        cloud.world.clock = Clock::at(10, moved / a_step * 1e-9, 1e-9);
+        cloud.world.clock.restore_mark("list", 0.0);
+        cloud.run();
+        assert_eq!(cloud.missing(), 0);
+        2.0 * (cloud.column("list_reach")[0] - cloud.reach()[0])
+    };
+    let (slow, fast) = (skin_after(1e-3 * SIZE), skin_after(4e-3 * SIZE));
+    assert!((fast / slow - 2.0).abs() < 1e-6, "the square root of the speed: {slow} {fast}");
+    assert!(skin_after(SIZE) <= 0.3001 * SIZE && skin_after(1e-9 * SIZE) >= 0.0199 * SIZE);
 }

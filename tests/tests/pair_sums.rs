@@ -67,7 +67,7 @@ fn compare(physics: &Physics, particles: &[Particle], about: &str) {
         agree("force", about, &force, &pick(&|s| s.force[k]));
         agree("dissipation", about, &column("dissipation"), &pick(&|s| s.dissipation[k]));
         agree("ghost_weight", about, &column("ghost_weight"), &pick(&|s| s.ghost_weight[k]));
-        if physics.method.shifting > 0.0 {
+        if physics.method.shifting.is_none_or(|coefficient| coefficient > 0.0) {
             agree("crowding", about, &column("crowding"), &pick(&|s| s.crowding[k]));
         }
     }
@@ -103,7 +103,7 @@ fn every_scheme_and_flux_at_the_axis() {
             for (theta, shifting) in [(0.5, 0.0), (0.6, 0.5), (0.75, 0.0), (1.0, 0.5)] {
                 let physics = with(|m| {
                     (m.scheme, m.axis, m.flux) = (scheme, axis, flux);
-                    (m.theta, m.shifting) = (theta, shifting);
+                    (m.theta, m.shifting) = (theta, Some(shifting));
                 });
                 let mut random = Random::new(7);
                 // From .1 D on: the nearest particles see their own image and are larger than the cap.

@@ -41,11 +41,16 @@ pub struct Method {
     pub colour_guard: f64,
     /// Whether the momentum that surface forces bring in is taken out again.
     pub momentum_correction: bool,
-    /// Coefficient of particle shifting; 0 for none.
-    pub shifting: f64,
+    /// Coefficient of particle shifting, 0 for none; without a choice it is [`SHIFTING`] where there is
+    /// surface tension, whose flows draw particles out into rows, and none elsewhere.
+    pub shifting: Option<f64>,
     /// Courant number, above 0 and at most 1.
     pub cfl: f64,
 }
+
+/// Coefficient of particle shifting under surface tension: of 1, 2, 3 and 5 the one with which most fast
+/// collisions of drops end well.
+pub const SHIFTING: f64 = 3.0;
 
 impl Method {
     /// The measured defaults.
@@ -67,7 +72,7 @@ impl Method {
             strain_correction: true,
             colour_guard: 0.85,
             momentum_correction: true,
-            shifting: 3.0,
+            shifting: None,
             cfl: 0.5,
         }
     }
@@ -85,7 +90,7 @@ impl Method {
             tangential_pressure: false,
             strain_correction: false,
             colour_guard: 0.0,
-            shifting: 0.0,
+            shifting: Some(0.0),
             cfl: 0.3,
             ..Self::defaults()
         }
@@ -127,7 +132,8 @@ impl Method {
             })?,
             momentum_correction: table
                 .read_or("momentum_correction", base.momentum_correction, |entry| entry.flag())?,
-            shifting: table.read_or("shifting", base.shifting, |entry| entry.not_negative(NUMBER))?,
+            shifting: table
+                .read_or("shifting", base.shifting, |entry| entry.not_negative(NUMBER).map(Some))?,
             cfl: table.read_or("cfl", base.cfl, |entry| {
                 entry.checked(NUMBER, "must be above 0 and at most 1", |value| value > 0.0 && value <= 1.0)
             })?,

@@ -11,7 +11,8 @@ use meniscus_engine::wiring::Wiring;
 /// sum_b [1 + 0.2 (W_ab/W(D))^4] V_b g_ab e_ab: the gradient of the particle concentration with the
 /// term of Monaghan that keeps particles from pairing (method.md, section 12, after Sun et al. 2017).
 pub struct Crowding {
-    theta: f64,
+    /// 1/W(D) of the kernel's shape.
+    inverse_regular: f64,
     crowding: [Write<f64>; 2],
 }
 
@@ -19,7 +20,9 @@ impl Crowding {
     /// Writes the two components; `theta` is the smoothing length parameter.
     pub fn new(wiring: &mut Wiring, theta: f64) -> Self {
         let crowding = [wiring.write(&fields::CROWDING_R), wiring.write(&fields::CROWDING_Z)];
-        Crowding { theta, crowding }
+        // W(D): two equal particles at their regular distance lie at q = 1/(4 theta).
+        let inside = (1.0 - 1.0 / (4.0 * theta)).max(0.1);
+        Crowding { inverse_regular: 1.0 / ((5.0 - 4.0 * inside) * inside.powi(4)), crowding }
     }
 }
 
@@ -40,13 +43,8 @@ impl<R: FlowState> PairTerm<R, Contact> for Crowding {
     }
 
     #[inline(always)]
-    fn add(&self, a: &R, b: &R, pair: &Contact, sum: &mut [Lanes; 2]) {
-        let distance = pair.dr.mul_add(pair.dr, pair.dz * pair.dz).sqrt();
-        let support = a.flow().reach + b.flow().reach;
-        let inside = (Lanes::ONE - distance / support).max(Lanes::ZERO);
-        // W(D): two equal particles at their regular distance lie at q = 1/(4 theta).
-        let regular = shape(Lanes::splat(1.0 - 1.0 / (4.0 * self.theta)).max(Lanes::splat(0.1)));
-        let ratio = shape(inside) / regular;
+    fn add(&self, _: &R, _: &R, pair: &Contact, sum: &mut [Lanes; 2]) {
+        let ratio = shape(pair.inside) * Lanes::splat(self.inverse_regular);
         let square = ratio * ratio;
         let factor = Lanes::splat(0.2).mul_add(square * square, Lanes::ONE);
         let weight = factor * pair.area_kernel;
