@@ -31,7 +31,7 @@ mod types;
 mod write;
 
 pub use error::{CheckpointError, Skipped};
-pub use folder::{file_name, keep_last, list, newest_valid};
+pub use folder::{file_name, keep_last, list, newest_valid, set_aside};
 pub use header::FORMAT_VERSION;
 pub use mapped::{ColumnView, Mapped};
 pub use read::read;
