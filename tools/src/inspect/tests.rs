@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 use clap::Parser;
 use meniscus_engine::checkpoint::{Checkpoint, Clock, Column, Data, Role, file_name, write};
 
+use super::at::length;
 use super::failure::{Failure, Verdict};
-use super::nearest::Place;
 use super::print::number;
-use super::statistics::{Histogram, Statistics};
+use super::statistics::{Gathering, Histogram};
 use super::{Arguments, execute};
 
 #[derive(Parser)]
@@ -88,14 +88,27 @@ fn damage(file: &Path) {
 
 #[test]
 fn all_forms_of_the_command_are_understood() {
-    parse(&["file"]).unwrap();
-    parse(&["file", "--field", "a", "--field", "b", "--at", "-1 um,2"]).unwrap();
-    parse(&["verify", "a", "b"]).unwrap();
-    parse(&["diff", "a", "b", "--tolerance", "1e-3"]).unwrap();
+    for right in [
+        &["file"][..],
+        &["file", "--json"],
+        &["fields", "file", "a", "b", "--csv"],
+        &["at", "file", "-1 um", "2", "--count", "3", "--fields", "a,b"],
+        &["top", "file", "speed", "--smallest"],
+        &["where", "file", "r < 1 um"],
+        &["render", "file", "speed", "a.png", "--low", "-1", "--high", "1"],
+        &["export", "file", "a.npy"],
+        &["diagnose", "file", "--json"],
+        &["verify", "a", "b"],
+        &["diff", "a", "b", "--tolerance", "1e-3"],
+    ] {
+        parse(right).unwrap();
+    }
     for wrong in [
         &[][..],
-        &["file", "--json", "--csv"],
-        &["file", "--at", "1"],
+        &["fields", "file", "--json", "--csv"],
+        &["at", "file", "1"],
+        &["at", "file", "1 km", "2"],
+        &["render", "file", "speed", "a.png", "--low", "1"],
         &["verify"],
         &["diff", "a"],
         &["diff", "a", "b", "--tolerance", "-1"],
@@ -116,65 +129,123 @@ fn a_run_folder_shows_its_newest_checkpoint() {
         "time        2.5e-6 s",
         "gauge = 0.5",
         "particles   4",
-        "revision    0123abc",
+        "revision    0123abc, format 1",
         "checksums   good",
-        "kinetic energy     34",
-        "momentum z          4",
+        "The velocity_z.",
     ] {
         assert!(output.contains(part), "no `{part}` in\n{output}");
     }
-    let density = output.lines().find(|line| line.contains("density"));
-    let words: Vec<&str> = density.unwrap().split_whitespace().collect();
-    assert_eq!(words, ["density", "d", "kg/m3", "998", "1000", "999", "0.816497", "1"]);
-    assert!(!output.contains('█'));
     let inner = file.parent().unwrap();
     assert_eq!(good(&[text(inner)]), output);
 }
 
 #[test]
-fn a_chosen_field_comes_alone_with_its_histogram() {
+fn fields_come_with_their_statistics() {
     let (_folder, run, _) = run_folder();
-    let output = good(&[&run, "--field", "axial"]);
+    let output = good(&["fields", &run]);
+    let density = output.lines().find(|line| line.contains("density"));
+    let words: Vec<&str> = density.unwrap().split_whitespace().collect();
+    assert_eq!(words, ["density", "d", "kg/m3", "998", "1000", "999", "0.816497", "1"]);
+    assert!(!output.contains('█'));
+    let output = good(&["fields", &run, "axial"]);
     assert!(output.contains('█') && output.contains("The axial."));
+    assert!(output.contains("maximum at particle 13, r = 1e-6 m, z = 3e-6 m"), "{output}");
     assert!(!output.contains("density"), "{output}");
-    let (_, result) = inspect(&[&run, "--field", "pressure"]);
+    let (_, result) = inspect(&["fields", &run, "pressure"]);
     let message = result.unwrap_err().to_string();
     assert!(message.contains("`pressure`") && message.contains("`density`"));
+    let csv = good(&["fields", &run, "--csv", "axial"]);
+    let mut lines = csv.lines();
+    assert!(lines.next().unwrap().starts_with("name,symbol,unit,role"));
+    assert!(lines.next().unwrap().starts_with("axial,a,m,state,0.0,"));
 }
 
 #[test]
 fn the_nearest_particle_is_shown() {
     let (_folder, run, _) = run_folder();
-    let output = good(&[&run, "--at", "0,2.2um", "--json"]);
-    let json: serde_json::Value = serde_json::from_str(&output).unwrap();
-    assert_eq!(json["nearest"]["particle"], 2);
-    let output = good(&[&run, "--at", "0,2.2um", "--field", "velocity_z"]);
-    assert!(output.contains("index 2"), "{output}");
-    let csv = good(&[&run, "--at", "1,1", "--field", "velocity_z", "--csv"]);
-    assert_eq!(csv, "name,symbol,unit,value\nvelocity_z,v,m/s,-4.0\n");
+    let json = |arguments: &[&str]| -> serde_json::Value {
+        serde_json::from_str(&good(&[arguments, &["--json"]].concat())).unwrap()
+    };
+    let found = json(&["at", &run, "0", "2.2um"]);
+    assert_eq!(found["particles"][0]["particle"], 12);
+    assert_eq!(found["units"]["distance"], "m");
+    let csv = good(&["at", &run, "1", "1", "--fields", "velocity_z", "--csv", "--count", "2"]);
+    let mut lines = csv.lines();
+    assert_eq!(lines.next().unwrap(), "particle,distance,radius,axial,velocity_z");
+    assert!(lines.next().unwrap().ends_with(",1e-6,3e-6,-4.0"), "{csv}");
+    assert_eq!(lines.count(), 1);
 }
 
 #[test]
-fn places_are_read_with_their_units() {
-    let place: Place = "2.5 µm, -1e-3mm".parse().unwrap();
-    assert!((place.radius - 2.5e-6).abs() < 1e-20 && (place.axial + 1e-6).abs() < 1e-20);
-    for wrong in ["", "1", "1,", "a,b", "1 km,2", "inf,0", "1,2,3", "1 é,2"] {
-        assert!(wrong.parse::<Place>().is_err(), "{wrong}");
+fn extremes_and_conditions_choose_particles() {
+    let (_folder, run, _) = run_folder();
+    let chosen = |arguments: &[&str]| -> Vec<u64> {
+        let output = good(&[arguments, &["--json"]].concat());
+        let json: serde_json::Value = serde_json::from_str(&output).unwrap();
+        let particles = json["particles"].as_array().unwrap();
+        particles.iter().map(|particle| particle["particle"].as_u64().unwrap()).collect()
+    };
+    assert_eq!(chosen(&["top", &run, "velocity_z", "--count", "2"]), [12, 11]);
+    assert_eq!(chosen(&["top", &run, "velocity_z", "--smallest", "--count", "1"]), [13]);
+    assert_eq!(chosen(&["top", &run, "velocity_z", "--magnitude", "--count", "1"]), [13]);
+    assert_eq!(chosen(&["top", &run, "speed", "--count", "1"]), [13]);
+    assert_eq!(chosen(&["top", &run, "density", "--count", "1"]), [11], "no number comes first");
+    assert_eq!(chosen(&["where", &run, "density < 999.5 kg/m3 and z < 2.5 um"]), [12]);
+    assert_eq!(chosen(&["where", &run, "density != density or speed > 4 m/s"]), [11, 13]);
+    let text = good(&["where", &run, "mass > 1 kg", "--count", "3"]);
+    assert!(text.starts_with("4 of 4 particles, the first 3:"), "{text}");
+    assert!(good(&["where", &run, "mass > 3 kg"]).starts_with("0 of 4 particles"));
+    let (_, result) = inspect(&["where", &run, "mass > 1 m"]);
+    let told = result.unwrap_err().told();
+    assert!(told.contains("cannot compare a mass and a length") || told.contains("cannot compare"), "{told}");
+}
+
+#[test]
+fn lengths_are_read_with_their_units() {
+    assert!((length("2.5 µm").unwrap() - 2.5e-6).abs() < 1e-20);
+    assert!((length(" -1e-3mm").unwrap() + 1e-6).abs() < 1e-20);
+    for wrong in ["", "a", "1 km", "inf", "1 é", "1,2"] {
+        assert!(length(wrong).is_err(), "{wrong}");
     }
 }
 
 #[test]
 fn machines_can_read_the_output() {
-    let (_folder, run, file) = run_folder();
+    let (_folder, run, _) = run_folder();
     let json: serde_json::Value = serde_json::from_str(&good(&[&run, "--json"])).unwrap();
     assert_eq!(json["step"], 12);
     assert_eq!(json["whole"], true);
-    assert_eq!(json["fields"][5]["non_finite"], 1);
-    assert_eq!(json["totals"][0]["value"], 8.0);
-    let csv = good(&[text(&file), "--csv", "--field", "axial"]);
-    let mut lines = csv.lines();
-    assert!(lines.next().unwrap().starts_with("name,symbol,unit,role"));
-    assert!(lines.next().unwrap().starts_with("axial,a,m,state,0.0,"));
+    let json: serde_json::Value = serde_json::from_str(&good(&["fields", &run, "--json"])).unwrap();
+    assert_eq!(json[5]["non_finite"], 1);
+    assert_eq!(json[1]["maximum_at"]["particle"], 13);
+    let json: serde_json::Value = serde_json::from_str(&good(&["verify", &run, "--json"])).unwrap();
+    assert_eq!(json[0]["whole"], true);
+}
+
+#[test]
+fn exports_are_not_written_over_one_another() {
+    let (folder, run, _) = run_folder();
+    for name in ["a.vtp", "a.csv", "a.npy"] {
+        let path = folder.path().join(name);
+        good(&["export", &run, text(&path)]);
+        let bytes = fs::read(&path).unwrap();
+        assert!(!bytes.is_empty());
+        let (_, result) = inspect(&["export", &run, text(&path)]);
+        assert!(result.unwrap_err().to_string().contains("--overwrite"));
+        good(&["export", &run, text(&path), "--overwrite"]);
+        assert_eq!(fs::read(&path).unwrap(), bytes);
+    }
+    let csv = fs::read_to_string(folder.path().join("a.csv")).unwrap();
+    assert_eq!(csv.lines().nth(2).unwrap(), "1e-6,1e-6,2.0,1.0,2.0,NaN,11");
+    // 4 records of 6 doubles and an index behind a head whose length is a multiple of 64.
+    let array = fs::read(folder.path().join("a.npy")).unwrap();
+    assert!(array.starts_with(b"\x93NUMPY\x01\x00") && (array.len() - 4 * 52).is_multiple_of(64));
+    for wrong in ["a.xls", "a"] {
+        let path = folder.path().join(wrong);
+        assert!(inspect(&["export", &run, text(&path)]).1.is_err());
+        assert!(!path.exists());
+    }
+    assert!(inspect(&["render", &run, "axial", "a.gif"]).1.is_err());
 }
 
 #[test]
@@ -276,20 +347,43 @@ fn numbers_are_short() {
     }
 }
 
+fn gathered(values: &[f64], piece: usize) -> Gathering {
+    let mut gathering = Gathering::default();
+    values.chunks(piece).for_each(|piece| gathering.add(piece));
+    gathering
+}
+
 #[test]
 fn statistics_survive_awkward_values() {
     let huge = [f64::MAX, -f64::MAX, f64::INFINITY, f64::NAN];
-    let statistics = Statistics::of(huge.into_iter());
+    let statistics = gathered(&huge, 4).statistics();
     assert_eq!(statistics.non_finite, 2);
-    let histogram = Histogram::of(huge.into_iter(), &statistics);
+    let mut histogram = Histogram::between(&statistics);
+    histogram.add(&huge);
     assert_eq!(histogram.bins.first().unwrap().count, 1);
     assert_eq!(histogram.bins.last().unwrap().count, 1);
-    let equal = Statistics::of([3.0; 5].into_iter());
+    let equal = gathered(&[3.0; 5], 2).statistics();
     assert_eq!(equal.standard_deviation, Some(0.0));
-    let histogram = Histogram::of([3.0; 5].into_iter(), &equal);
+    let mut histogram = Histogram::between(&equal);
+    histogram.add(&[3.0; 5]);
     assert_eq!(histogram.bins.len(), 1);
     assert_eq!(histogram.bins[0].count, 5);
-    let none = Statistics::of([f64::NAN].into_iter());
+    let none = gathered(&[f64::NAN], 1).statistics();
     assert_eq!(none.mean, None);
-    assert!(Histogram::of([f64::NAN].into_iter(), &none).bins.is_empty());
+    assert!(Histogram::between(&none).bins.is_empty());
+}
+
+#[test]
+fn pieces_make_no_difference() {
+    let values: Vec<f64> = (0..1000).map(|i| 1e9 + f64::from(i * 7919 % 1000)).collect();
+    for piece in [1, 7, 64, 1000] {
+        let gathering = gathered(&values, piece);
+        let statistics = gathering.statistics();
+        assert!((statistics.mean.unwrap() - (1e9 + 499.5)).abs() < 1e-6);
+        // (n^2 - 1)/12 of n equally spaced values.
+        let exact = ((1000.0_f64 * 1000.0 - 1.0) / 12.0).sqrt();
+        assert!((statistics.standard_deviation.unwrap() / exact - 1.0).abs() < 1e-9);
+        let [least, greatest] = gathering.places().unwrap();
+        assert_eq!([values[least], values[greatest]], [1e9, 1e9 + 999.0]);
+    }
 }

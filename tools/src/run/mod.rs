@@ -221,7 +221,9 @@ impl Run {
             End::Failed(fault) => {
                 recorder.finish()?;
                 let kept = recorder.crash_checkpoint(simulation, fault)?;
-                eprintln!("the run broke down: {fault}\nits last state lies in {kept}");
+                eprintln!(
+                    "the run broke down: {fault}\nits last state lies in {kept}; `meniscus inspect` tells more"
+                );
                 Some(fault.to_string())
             }
         };
