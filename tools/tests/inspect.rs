@@ -182,3 +182,47 @@ fn a_crash_is_explained() {
     // A run goes on from its last whole checkpoint, not from where it broke down.
     assert!(said(&[out]).contains("checkpoints/step-"));
 }
+
+/// The example of a reader in Python sees what `inspect` sees, and so does numpy in an exported array.
+#[test]
+fn python_reads_checkpoints_and_arrays() {
+    let numpy = Command::new("python3").args(["-c", "import numpy"]).output();
+    if !numpy.is_ok_and(|output| output.status.success()) {
+        eprintln!("SKIPPED: python3 with numpy is not installed, so the reader in Python is not tested");
+        return;
+    }
+    let run = run().to_str().unwrap();
+    let summary = json(&[run]);
+    let file = summary["file"].as_str().unwrap();
+    let reader = concat!(env!("CARGO_MANIFEST_DIR"), "/../engine/src/checkpoint/read_checkpoint.py");
+    let python = |arguments: &[&str]| -> serde_json::Value {
+        let output = Command::new("python3").args(arguments).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        serde_json::from_slice(&output.stdout).unwrap()
+    };
+    let told = python(&[reader, file, "--json"]);
+    for (name, other) in
+        [("step", "step"), ("time", "time"), ("step_size", "step_size"), ("revision", "revision")]
+    {
+        assert_eq!(told[name], summary[other]);
+    }
+    assert_eq!(told["numbers"], summary["scalars"]);
+    let fields = json(&["fields", run]);
+    assert_eq!(told["fields"].as_object().unwrap().len(), fields.as_array().unwrap().len());
+    for field in fields.as_array().unwrap() {
+        let other = &told["fields"][field["name"].as_str().unwrap()];
+        for part in ["unit", "role", "minimum", "maximum"] {
+            assert_eq!(other[part], field[part], "{field}");
+        }
+        assert_eq!(other["particles"], summary["particles"]);
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let array = folder.path().join("drops.npy");
+    said(&["export", run, array.to_str().unwrap()]);
+    let script = "import json, numpy, sys; a = numpy.load(sys.argv[1]); \
+                  print(json.dumps({n: float(a[n].max()) for n in a.dtype.names}))";
+    let loaded = python(&["-c", script, array.to_str().unwrap()]);
+    for field in fields.as_array().unwrap() {
+        assert_eq!(loaded[field["name"].as_str().unwrap()], field["maximum"]);
+    }
+}

@@ -1,5 +1,7 @@
 //! Checkpoints: the whole state of a run in one file, safe against crashes and damage.
 //!
+//! `FORMAT.md` beside this file tells the layout byte by byte, `read_checkpoint.py` reads it in Python.
+//!
 //! A file is a header of 4096 bytes (own layout, see `header.rs`) and two sections, each starting
 //! on a page of 4096 bytes and zero-padded to a whole number of pages:
 //!
