@@ -36,6 +36,6 @@ pub use error::{CheckpointError, Skipped};
 pub use folder::{file_name, keep_last, list, newest_valid, set_aside};
 pub use header::FORMAT_VERSION;
 pub use mapped::{ColumnView, Mapped};
-pub use read::read;
+pub use read::{parse, read};
 pub use types::{Checkpoint, Clock, Column, Data, Role};
 pub use write::write;
