@@ -11,6 +11,7 @@ use super::*;
 
 mod damage;
 mod folders;
+mod properties;
 
 const GOLDEN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests-data/checkpoint-v1.meniscus");
 
