@@ -48,47 +48,45 @@ impl Default for Gathering {
 impl Gathering {
     /// Takes the next values.
     pub fn add(&mut self, values: &[f64]) {
-        // Sums over a piece go as fast as memory; one that is not finite shows that a value is not.
-        let sum = sum(values.iter().copied());
-        if sum.is_finite() {
-            self.merge(values, sum);
+        let all = Sweep::over(values);
+        // A sum that is finite shows that every value is: most pieces need no closer look.
+        if all.sum.is_finite() {
+            self.merge(values, &all);
+            self.note_extremes(values, &all);
         } else {
             let mut finite = std::mem::take(&mut self.finite);
             finite.clear();
             finite.extend(values.iter().copied().filter(|value| value.is_finite()));
             self.non_finite += values.len() - finite.len();
-            self.merge(&finite, finite.iter().sum());
+            let sweep = Sweep::over(&finite);
+            self.merge(&finite, &sweep);
+            self.note_extremes(values, &sweep);
             self.finite = finite;
         }
-        self.look_for_extremes(values);
         self.seen += values.len();
     }
 
     /// Joins the moments of finite values with those so far: differences from means don't cancel.
-    fn merge(&mut self, values: &[f64], sum_of_values: f64) {
+    fn merge(&mut self, values: &[f64], sweep: &Sweep) {
         if values.is_empty() {
             return;
         }
         let count = values.len() as f64;
-        let mean = sum_of_values / count;
-        let squares = sum(values.iter().map(|value| (value - mean) * (value - mean)));
+        let mean = sweep.sum / count;
+        let squares = squares(values, mean);
         let (total, apart) = (self.count + count, mean - self.mean);
         self.mean += apart * count / total;
         self.squares += squares + apart * apart * self.count * count / total;
         self.count = total;
     }
 
-    fn look_for_extremes(&mut self, values: &[f64]) {
-        let finite = |value: f64, or: f64| if value.is_finite() { value } else { or };
-        let least = values.iter().fold(f64::INFINITY, |least, v| least.min(finite(*v, f64::INFINITY)));
-        let greatest =
-            values.iter().fold(f64::NEG_INFINITY, |most, v| most.max(finite(*v, f64::NEG_INFINITY)));
-        let place = |extreme: f64| values.iter().position(|value| *value == extreme);
-        if least < self.least.0 {
-            self.least = (least, self.seen + place(least).unwrap_or(0));
+    fn note_extremes(&mut self, values: &[f64], sweep: &Sweep) {
+        let place = |extreme: f64| values.iter().position(|value| *value == extreme).unwrap_or(0);
+        if sweep.least < self.least.0 {
+            self.least = (sweep.least, self.seen + place(sweep.least));
         }
-        if greatest > self.greatest.0 {
-            self.greatest = (greatest, self.seen + place(greatest).unwrap_or(0));
+        if sweep.greatest > self.greatest.0 {
+            self.greatest = (sweep.greatest, self.seen + place(sweep.greatest));
         }
     }
 
@@ -110,13 +108,43 @@ impl Gathering {
     }
 }
 
-/// A sum on eight lanes: the order is fixed, and the processor can go as fast as memory.
-fn sum(values: impl Iterator<Item = f64>) -> f64 {
-    let mut lanes = [0.0; 8];
-    for (number, value) in values.enumerate() {
-        lanes[number % 8] += value;
+/// What one pass over values finds. Eight lanes side by side go as fast as memory, in a fixed order.
+struct Sweep {
+    sum: f64,
+    least: f64,
+    greatest: f64,
+}
+
+impl Sweep {
+    fn over(values: &[f64]) -> Self {
+        let (mut sum, mut least, mut greatest) = ([0.0; 8], [f64::INFINITY; 8], [f64::NEG_INFINITY; 8]);
+        let mut take = |lane: usize, value: f64| {
+            sum[lane] += value;
+            least[lane] = if value < least[lane] { value } else { least[lane] };
+            greatest[lane] = if value > greatest[lane] { value } else { greatest[lane] };
+        };
+        let (eights, rest) = values.as_chunks::<8>();
+        for eight in eights {
+            (0..8).for_each(|lane| take(lane, eight[lane]));
+        }
+        rest.iter().enumerate().for_each(|(lane, value)| take(lane, *value));
+        Self {
+            sum: sum.iter().sum(),
+            least: least.into_iter().fold(f64::INFINITY, f64::min),
+            greatest: greatest.into_iter().fold(f64::NEG_INFINITY, f64::max),
+        }
     }
-    lanes.iter().sum()
+}
+
+/// Sum of the squared distances from a value.
+fn squares(values: &[f64], mean: f64) -> f64 {
+    let mut lanes = [0.0; 8];
+    let (eights, rest) = values.as_chunks::<8>();
+    for eight in eights {
+        (0..8).for_each(|lane| lanes[lane] += (eight[lane] - mean) * (eight[lane] - mean));
+    }
+    let rest: f64 = rest.iter().map(|value| (value - mean) * (value - mean)).sum();
+    lanes.iter().sum::<f64>() + rest
 }
 
 /// How many values lie where between the extremes.
