@@ -8,9 +8,10 @@ use meniscus_engine::checkpoint::{Checkpoint, Clock, Column, Data, Role, file_na
 
 use super::at::length;
 use super::failure::{Failure, Verdict};
-use super::print::number;
-use super::statistics::{Gathering, Histogram};
 use super::{Arguments, execute};
+
+mod numbers;
+mod whole;
 
 #[derive(Parser)]
 struct Command {
@@ -77,13 +78,6 @@ fn run_folder() -> (tempfile::TempDir, String, PathBuf) {
 
 fn text(path: &Path) -> &str {
     path.to_str().unwrap()
-}
-
-fn damage(file: &Path) {
-    let mut bytes = fs::read(file).unwrap();
-    let last = bytes.len() - 1;
-    bytes[last] ^= 1;
-    fs::write(file, bytes).unwrap();
 }
 
 #[test]
@@ -246,144 +240,4 @@ fn exports_are_not_written_over_one_another() {
         assert!(!path.exists());
     }
     assert!(inspect(&["render", &run, "axial", "a.gif"]).1.is_err());
-}
-
-#[test]
-fn damage_and_bad_input_are_told_apart() {
-    let (_folder, run, file) = run_folder();
-    damage(&file);
-    let (output, result) = inspect(&[&run]);
-    assert!(output.contains("step        12") && output.contains("DAMAGED"));
-    let damaged = format!("{:?}", Verdict::Bad.exit_code());
-    let code = |result: Result<Verdict, Failure>| format!("{:?}", result.unwrap_err().exit_code());
-    assert_eq!(code(result), damaged);
-    let (_, result) = inspect(&["missing"]);
-    assert_ne!(code(result), damaged);
-    fs::remove_file(&file).unwrap();
-    let (_, result) = inspect(&[&run]);
-    assert_ne!(code(result), damaged);
-}
-
-#[test]
-fn verify_names_each_file() {
-    let (_folder, run, file) = run_folder();
-    assert!(good(&["verify", &run, text(&file)]).contains("whole, step 12"));
-    let other = file.with_file_name(file_name(13));
-    write(&other, &sample()).unwrap();
-    damage(&other);
-    let (output, result) = inspect(&["verify", &run, "missing"]);
-    assert_eq!(result.unwrap(), Verdict::Bad);
-    assert_eq!(output.lines().count(), 3, "{output}");
-    assert!(inspect(&["verify", "missing"]).1.is_err());
-}
-
-#[test]
-fn diff_matches_by_identity() {
-    let (_folder, run, file) = run_folder();
-    let other = file.with_file_name("other");
-    let mut changed = sample();
-    for column in &mut changed.columns {
-        match &mut column.data {
-            Data::F64(values) => values.reverse(),
-            Data::U32(values) => values.reverse(),
-        }
-    }
-    write(&other, &changed).unwrap();
-    let output = good(&["diff", &run, text(&other)]);
-    assert!(output.contains("matched by identity"), "{output}");
-
-    changed.columns[4].data = Data::F64(vec![-4.0, 3.0, 2.0, 1.5]);
-    write(&other, &changed).unwrap();
-    let (output, result) = inspect(&["diff", &run, text(&other), "--json"]);
-    assert_eq!(result.unwrap(), Verdict::Bad);
-    let json: serde_json::Value = serde_json::from_str(&output).unwrap();
-    let field = &json["fields"][4];
-    assert_eq!(field["largest"], 0.5);
-    assert_eq!(field["root_mean_square"], 0.25);
-    assert_eq!(field["first"]["particle"], 10);
-    good(&["diff", &run, text(&other), "--tolerance", "0.125"]);
-}
-
-#[test]
-fn diff_counts_what_only_one_file_has() {
-    let (_folder, run, file) = run_folder();
-    let other = file.with_file_name("other");
-    let mut changed = sample();
-    changed.columns.truncate(2);
-    changed.columns[0].data = Data::F64(vec![1e-6; 3]);
-    changed.columns[1].data = Data::F64(vec![0.0, f64::NAN, 2e-6]);
-    changed.clock.step = 13;
-    changed.clock.scalars.clear();
-    write(&other, &changed).unwrap();
-    let (output, result) = inspect(&["diff", &run, text(&other)]);
-    assert_eq!(result.unwrap(), Verdict::Bad);
-    for part in [
-        "matched by order",
-        "1 particles only in a",
-        "field density only in a",
-        "step 12 against 13",
-        "gauge 0.5 against none",
-        "inf",
-    ] {
-        assert!(output.contains(part), "no `{part}` in\n{output}");
-    }
-}
-
-#[test]
-fn numbers_are_short() {
-    for (value, text) in [
-        (0.0, "0"),
-        (-12.0, "-12"),
-        (0.5, "0.5"),
-        (1.0 / 3.0, "0.333333"),
-        (999.999_999_9, "1000"),
-        (123_456.7, "123457"),
-        (2.5e-6, "2.5e-6"),
-        (-1e300, "-1e300"),
-        (f64::NAN, "NaN"),
-        (f64::NEG_INFINITY, "-inf"),
-    ] {
-        assert_eq!(number(value), text);
-    }
-}
-
-fn gathered(values: &[f64], piece: usize) -> Gathering {
-    let mut gathering = Gathering::default();
-    values.chunks(piece).for_each(|piece| gathering.add(piece));
-    gathering
-}
-
-#[test]
-fn statistics_survive_awkward_values() {
-    let huge = [f64::MAX, -f64::MAX, f64::INFINITY, f64::NAN];
-    let statistics = gathered(&huge, 4).statistics();
-    assert_eq!(statistics.non_finite, 2);
-    let mut histogram = Histogram::between(&statistics);
-    histogram.add(&huge);
-    assert_eq!(histogram.bins.first().unwrap().count, 1);
-    assert_eq!(histogram.bins.last().unwrap().count, 1);
-    let equal = gathered(&[3.0; 5], 2).statistics();
-    assert_eq!(equal.standard_deviation, Some(0.0));
-    let mut histogram = Histogram::between(&equal);
-    histogram.add(&[3.0; 5]);
-    assert_eq!(histogram.bins.len(), 1);
-    assert_eq!(histogram.bins[0].count, 5);
-    let none = gathered(&[f64::NAN], 1).statistics();
-    assert_eq!(none.mean, None);
-    assert!(Histogram::between(&none).bins.is_empty());
-}
-
-#[test]
-fn pieces_make_no_difference() {
-    let values: Vec<f64> = (0..1000).map(|i| 1e9 + f64::from(i * 7919 % 1000)).collect();
-    for piece in [1, 7, 64, 1000] {
-        let gathering = gathered(&values, piece);
-        let statistics = gathering.statistics();
-        assert!((statistics.mean.unwrap() - (1e9 + 499.5)).abs() < 1e-6);
-        // (n^2 - 1)/12 of n equally spaced values.
-        let exact = ((1000.0_f64 * 1000.0 - 1.0) / 12.0).sqrt();
-        assert!((statistics.standard_deviation.unwrap() / exact - 1.0).abs() < 1e-9);
-        let [least, greatest] = gathering.places().unwrap();
-        assert_eq!([values[least], values[greatest]], [1e9, 1e9 + 999.0]);
-    }
 }
