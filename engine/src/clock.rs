@@ -1,5 +1,7 @@
 //! Simulated time and the choice of the time step.
 
+use std::borrow::Cow;
+
 /// An upper bound on the time step and who stated it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bound {
@@ -19,7 +21,8 @@ pub struct Clock {
     /// The last step taken, in seconds; zero before the first.
     pub previous_step_size: f64,
     bound: Option<Bound>,
-    counts: Vec<(&'static str, u64)>,
+    stated: Vec<Bound>,
+    counts: Vec<(Cow<'static, str>, u64)>,
     marks: Vec<(&'static str, f64)>,
 }
 
@@ -37,6 +40,7 @@ impl Clock {
             time,
             previous_step_size,
             bound: None,
+            stated: Vec::with_capacity(8),
             counts: Vec::with_capacity(8),
             marks: Vec::with_capacity(8),
         }
@@ -44,15 +48,25 @@ impl Clock {
 
     /// States that the present step may not be longer than `step_size` seconds.
     pub fn limit(&mut self, reason: &'static str, step_size: f64) {
+        let bound = Bound { reason, step_size };
+        match self.stated.iter_mut().find(|stated| stated.reason == reason) {
+            Some(stated) => *stated = bound,
+            None => self.stated.push(bound),
+        }
         let smaller = self.bound.is_none_or(|b| step_size < b.step_size || step_size.is_nan());
         if smaller {
-            self.bound = Some(Bound { reason, step_size });
+            self.bound = Some(bound);
         }
     }
 
     /// The tightest bound stated in this step so far.
     pub fn bound(&self) -> Option<Bound> {
         self.bound
+    }
+
+    /// What each reason for a bound stated last.
+    pub fn stated(&self) -> &[Bound] {
+        &self.stated
     }
 
     /// Ends the step: time moves on by the tightest bound.
@@ -63,7 +77,7 @@ impl Clock {
         let bound = self.bound.take().expect("a stage of the pipeline bounds the time step");
         match self.counts.iter_mut().find(|(reason, _)| *reason == bound.reason) {
             Some((_, count)) => *count += 1,
-            None => self.counts.push((bound.reason, 1)),
+            None => self.counts.push((Cow::Borrowed(bound.reason), 1)),
         }
         self.time += bound.step_size;
         self.previous_step_size = bound.step_size;
@@ -94,8 +108,13 @@ impl Clock {
         &self.marks
     }
 
-    /// How many steps each bound has set.
-    pub fn bounds_met(&self) -> &[(&'static str, u64)] {
+    /// How many steps each bound has set since the run began.
+    pub fn bounds_met(&self) -> &[(Cow<'static, str>, u64)] {
         &self.counts
+    }
+
+    /// Sets how many steps a bound has set so far, from a checkpoint.
+    pub fn restore_bound(&mut self, reason: &str, steps: u64) {
+        self.counts.push((Cow::Owned(reason.to_owned()), steps));
     }
 }

@@ -130,8 +130,9 @@ impl Stage for SortBin {
     }
 
     fn run(&mut self, world: &mut World) -> Result<(), Fault> {
-        let resumed = world.clock.step > 0 && world.neighbours.is_empty();
-        if resumed {
+        // Where a list was built before this run began, its places are still noted.
+        let listed = world.store.write(self.listed[2]).first().is_some_and(|reach| *reach > 0.0);
+        if listed && world.neighbours.is_empty() {
             self.build(world);
         }
         // A NaN builds the list, too, and goes on to the stage that names it.

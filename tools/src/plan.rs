@@ -88,7 +88,7 @@ fn print_costs(scene: &Scene) -> Result<(), Failure> {
     let world = &simulation.world;
     let (particles, step_size) = (world.store.len() as u64, world.clock.previous_step_size);
     let bounds = world.clock.bounds_met().iter();
-    let bound = bounds.max_by_key(|(_, count)| *count).map_or("", |(reason, _)| reason);
+    let bound = bounds.max_by_key(|(_, count)| *count).map_or("", |(reason, _)| reason.as_ref());
     let settling = if scene.liquid.surface_tension > 0.0 {
         scene.settle.unwrap_or(SETTLE) * Simulation::capillary_time(scene)
     } else {

@@ -10,6 +10,8 @@ use std::ops::Range;
 /// What a name stands for.
 pub(super) enum Meaning {
     Value(Quantity),
+    /// A field of a particle, by its number.
+    Field(usize, Dimension),
     /// A parameter that is "auto": it has no value yet.
     Auto,
     Unknown,
@@ -61,6 +63,7 @@ impl Compiler<'_> {
                 "r and z are coordinates: they have a meaning in `velocity` and in the shape `expression`",
             )),
             (_, Meaning::Value(quantity)) => Ok(Formula::constant_of(quantity)),
+            (_, Meaning::Field(number, dimension)) => Ok(Formula { code: Code::Field(number), dimension }),
             (_, Meaning::Auto) => Err(Mistake::new(
                 span,
                 format!("`{name}` is \"auto\", so it has no value here"),

@@ -43,6 +43,50 @@ pub(super) enum Part {
     Call(String, Vec<Node>),
 }
 
+/// How two values may stand to one another.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Relation {
+    Less,
+    AtMost,
+    Greater,
+    AtLeast,
+    Equal,
+    Unequal,
+}
+
+impl Relation {
+    /// All relations with their signs; one that begins another comes after it.
+    pub(super) const SIGNS: [(&str, Self); 6] = [
+        ("<=", Self::AtMost),
+        (">=", Self::AtLeast),
+        ("==", Self::Equal),
+        ("!=", Self::Unequal),
+        ("<", Self::Less),
+        (">", Self::Greater),
+    ];
+
+    pub(super) fn holds(self, left: f64, right: f64) -> bool {
+        match self {
+            Self::Less => left < right,
+            Self::AtMost => left <= right,
+            Self::Greater => left > right,
+            Self::AtLeast => left >= right,
+            Self::Equal => left == right,
+            Self::Unequal => left != right,
+        }
+    }
+}
+
+/// What is true or false, as it is written.
+#[derive(Debug)]
+pub(super) enum Test {
+    Any(Vec<Test>),
+    All(Vec<Test>),
+    Not(Box<Test>),
+    /// Each value stands to the next one in a relation.
+    Compare(Vec<Node>, Vec<Relation>),
+}
+
 impl Node {
     /// Reads a whole text.
     ///

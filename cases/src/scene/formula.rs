@@ -24,7 +24,12 @@ impl Formula {
 
     /// Value at the point r, z, both in metres.
     pub fn at(&self, r: f64, z: f64) -> f64 {
-        self.code.at(r, z)
+        self.code.at(r, z, &[])
+    }
+
+    /// Value for a particle at r, z (m) whose fields have the given values, in SI units.
+    pub(super) fn of_particle(&self, r: f64, z: f64, fields: &[f64]) -> f64 {
+        self.code.at(r, z, fields)
     }
 
     pub(super) fn dimension(&self) -> Dimension {
@@ -51,34 +56,56 @@ pub(super) enum Code {
     Constant(f64),
     Radius,
     Height,
+    /// A particle's field by its number; no scene has any.
+    Field(usize),
     Negate(Box<Code>),
     Binary(Operator, Box<[Code; 2]>),
     WholePower(Box<Code>, i32),
     Call(Function, Box<[Code]>),
-    Legendre { degree: usize, derivative: bool, argument: Box<Code> },
+    Legendre {
+        degree: usize,
+        derivative: bool,
+        argument: Box<Code>,
+    },
 }
 
 impl Code {
-    fn at(&self, r: f64, z: f64) -> f64 {
+    fn at(&self, r: f64, z: f64, fields: &[f64]) -> f64 {
         match self {
             Code::Constant(value) => *value,
             Code::Radius => r,
             Code::Height => z,
-            Code::Negate(inner) => -inner.at(r, z),
-            Code::Binary(operator, sides) => apply(*operator, sides[0].at(r, z), sides[1].at(r, z)),
-            Code::WholePower(base, exponent) => base.at(r, z).powi(*exponent),
+            Code::Field(number) => fields.get(*number).copied().unwrap_or(f64::NAN),
+            Code::Negate(inner) => -inner.at(r, z, fields),
+            Code::Binary(operator, sides) => {
+                apply(*operator, sides[0].at(r, z, fields), sides[1].at(r, z, fields))
+            }
+            Code::WholePower(base, exponent) => base.at(r, z, fields).powi(*exponent),
             Code::Call(function, arguments) => {
-                function.value(arguments[0].at(r, z), arguments.get(1).map_or(0.0, |second| second.at(r, z)))
+                let second = arguments.get(1).map_or(0.0, |second| second.at(r, z, fields));
+                function.value(arguments[0].at(r, z, fields), second)
             }
             Code::Legendre { degree, derivative, argument } => {
-                super::functions::legendre(*degree, argument.at(r, z))[usize::from(*derivative)]
+                super::functions::legendre(*degree, argument.at(r, z, fields))[usize::from(*derivative)]
             }
+        }
+    }
+
+    /// Numbers of the particles' fields that go into it.
+    pub(super) fn fields(&self, found: &mut Vec<usize>) {
+        match self {
+            Code::Constant(_) | Code::Radius | Code::Height => {}
+            Code::Field(number) => found.push(*number),
+            Code::Negate(inner) | Code::WholePower(inner, _) => inner.fields(found),
+            Code::Legendre { argument, .. } => argument.fields(found),
+            Code::Binary(_, sides) => sides.iter().for_each(|side| side.fields(found)),
+            Code::Call(_, arguments) => arguments.iter().for_each(|argument| argument.fields(found)),
         }
     }
 
     /// The value in place of the code, if all that goes into it is constant.
     pub(super) fn folded(self, inputs_constant: bool) -> Self {
-        if inputs_constant { Code::Constant(self.at(0.0, 0.0)) } else { self }
+        if inputs_constant { Code::Constant(self.at(0.0, 0.0, &[])) } else { self }
     }
 }
 

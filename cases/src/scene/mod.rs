@@ -7,6 +7,7 @@ mod body;
 mod checks;
 mod choices;
 mod compiler;
+mod condition;
 mod diagnosis;
 mod entry;
 mod expression;
@@ -34,6 +35,7 @@ mod written;
 
 pub use body::{Body, VelocityField};
 pub use choices::{AxisTreatment, Curvature, Flux, ReferencePressure, Scheme, TimeIntegration};
+pub use condition::Condition;
 pub use diagnosis::Diagnosis;
 pub use formula::Formula;
 pub(crate) use functions::legendre;

@@ -9,9 +9,19 @@
 //! unit     = symbol [ exponent ] { ( "/" | "*" | " " ) symbol [ exponent ] }
 //! ```
 //!
+//! And of conditions on particles, which compare expressions:
+//!
+//! ```text
+//! alternatives = conjunction { "or" conjunction }
+//! conjunction  = negation { "and" negation }
+//! negation     = { "not" } comparison
+//! comparison   = sum relation sum { relation sum }
+//! relation     = "<" | "<=" | ">" | ">=" | "==" | "!="
+//! ```
+//!
 //! A unit binds to its number more tightly than any operator: `1/2 m` is one over two metres.
 
-use super::expression::{Mistake, Node, Operator, Part};
+use super::expression::{Mistake, Node, Operator, Part, Relation, Test};
 use super::scanner::Scanner;
 
 /// Length and nesting at most, so that no text exhausts the stack.
@@ -23,17 +33,33 @@ const DEPTH: usize = 100;
 /// # Errors
 /// At the first place that breaks the grammar.
 pub(super) fn parse(text: &str) -> Result<Node, Mistake> {
+    whole(text, "an operator or the end", |parser| parser.sum())
+}
+
+/// Reads a whole text as a condition.
+///
+/// # Errors
+/// At the first place that breaks the grammar.
+pub(super) fn parse_condition(text: &str) -> Result<Test, Mistake> {
+    whole(text, "`and`, `or`, a comparison or the end", |parser| parser.alternatives())
+}
+
+fn whole<T>(
+    text: &str,
+    end: &str,
+    read: impl FnOnce(&mut Parser<'_>) -> Result<T, Mistake>,
+) -> Result<T, Mistake> {
     if text.len() > LENGTH {
         let message = format!("the expression is longer than {LENGTH} characters");
         return Err(Mistake::new(0..text.len(), message, "name its parts in [parameters]"));
     }
     let mut parser = Parser { scanner: Scanner::new(text), depth: 0 };
-    let node = parser.sum()?;
+    let read = read(&mut parser)?;
     parser.scanner.skip_spaces();
     if parser.scanner.position < text.len() {
-        return Err(parser.scanner.unexpected("an operator or the end"));
+        return Err(parser.scanner.unexpected(end));
     }
-    Ok(node)
+    Ok(read)
 }
 
 struct Parser<'a> {
@@ -42,6 +68,64 @@ struct Parser<'a> {
 }
 
 impl Parser<'_> {
+    fn alternatives(&mut self) -> Result<Test, Mistake> {
+        let mut tests = vec![self.conjunction()?];
+        while self.keyword("or") {
+            tests.push(self.conjunction()?);
+        }
+        Ok(Test::Any(tests))
+    }
+
+    fn conjunction(&mut self) -> Result<Test, Mistake> {
+        let mut tests = vec![self.negation()?];
+        while self.keyword("and") {
+            tests.push(self.negation()?);
+        }
+        Ok(Test::All(tests))
+    }
+
+    fn negation(&mut self) -> Result<Test, Mistake> {
+        let mut negative = false;
+        while self.keyword("not") {
+            negative = !negative;
+        }
+        let test = self.comparison()?;
+        Ok(if negative { Test::Not(Box::new(test)) } else { test })
+    }
+
+    fn comparison(&mut self) -> Result<Test, Mistake> {
+        let mut sides = vec![self.sum()?];
+        let mut relations = Vec::new();
+        while let Some(relation) = self.relation() {
+            relations.push(relation);
+            sides.push(self.sum()?);
+        }
+        if relations.is_empty() {
+            return Err(self.scanner.unexpected("a comparison such as `<` or `>=`"));
+        }
+        Ok(Test::Compare(sides, relations))
+    }
+
+    fn relation(&mut self) -> Option<Relation> {
+        self.scanner.skip_spaces();
+        // The longer signs first: `<=` begins with `<`.
+        let (sign, relation) = Relation::SIGNS
+            .into_iter()
+            .find(|(sign, _)| self.scanner.text[self.scanner.position..].starts_with(sign))?;
+        self.scanner.position += sign.len();
+        Some(relation)
+    }
+
+    fn keyword(&mut self, wanted: &str) -> bool {
+        self.scanner.skip_spaces();
+        let before = self.scanner.position;
+        let found = self.scanner.word() == wanted;
+        if !found {
+            self.scanner.position = before;
+        }
+        found
+    }
+
     fn sum(&mut self) -> Result<Node, Mistake> {
         self.depth += 1;
         if self.depth > DEPTH {
@@ -113,11 +197,11 @@ impl Parser<'_> {
             }
             Some(first) if first.is_alphabetic() || first == '_' => {
                 let name = self.scanner.word().to_owned();
-                let part = if self.scanner.eat('(') {
-                    Part::Call(name, self.arguments()?)
-                } else {
-                    Part::Name(name)
-                };
+                let end = self.scanner.position;
+                if !self.scanner.eat('(') {
+                    return Ok(Node { part: Part::Name(name), span: start..end });
+                }
+                let part = Part::Call(name, self.arguments()?);
                 Ok(Node { part, span: start..self.scanner.position })
             }
             _ => Err(self.scanner.unexpected("a number, a name or `(`")),

@@ -4,6 +4,9 @@ use super::expression::Mistake;
 use super::quantity::Quantity;
 use super::units::{self, Measure};
 
+/// Words of conditions that may follow a number without a unit.
+const KEYWORDS: [&str; 2] = ["and", "or"];
+
 /// A text and how far it has been read.
 pub(super) struct Scanner<'a> {
     pub(super) text: &'a str,
@@ -66,7 +69,7 @@ impl<'a> Scanner<'a> {
                         Mistake::new(start..self.position, "this power of a unit is too high", units::HELP)
                     })?;
                 }
-                None if first && !symbol.is_empty() => {
+                None if first && !symbol.is_empty() && !KEYWORDS.contains(&symbol) => {
                     self.position = start;
                     let word = self.word();
                     let help = format!("{}; a product needs its `*`", units::HELP);

@@ -1,17 +1,19 @@
 //! From a simulation to a checkpoint, and back.
 
-use super::{Simulation, StartError};
+use super::{Simulation, StartError, crash};
 use crate::assemble::{Assembly, Physics, assemble};
 use crate::scene::Scene;
 use meniscus_engine::checkpoint::{self, Checkpoint, Column, Data};
 use meniscus_engine::clock::Clock;
 use meniscus_engine::field::{Description, Role, Values};
-use meniscus_engine::pipeline::World;
+use meniscus_engine::pipeline::{Fault, World};
 use meniscus_engine::store::Store;
 use meniscus_stages::fields;
 
 /// The marks that stages set on the clock.
-const MARKS: [&str; 1] = ["curvature"];
+const MARKS: [&str; 2] = ["curvature", "list"];
+/// Start of the names of numbers that count the steps which a bound has set.
+const BOUND: &str = "steps bound by ";
 
 impl Simulation {
     /// The whole state: every State column in memory order, the clock with its marks, and the scene's
@@ -27,23 +29,35 @@ impl Simulation {
         }
     }
 
-    /// Continues from a checkpoint of the scene, bit for bit as if there had been no interruption. The
-    /// start stages run only where no step has been taken yet.
+    /// The state in which a run broke down, with all that was computed up to there, and why it did.
+    pub fn crash_checkpoint(&self, scene: &Scene, fault: &Fault) -> Checkpoint {
+        let mut checkpoint = self.checkpoint(scene);
+        let derived = self.world.store.columns().filter(|(d, _)| d.role == Role::Derived);
+        checkpoint.columns.extend(derived.map(|(d, values)| column(d, &values)));
+        checkpoint.clock.scalars.extend(crash::written(fault));
+        checkpoint
+    }
+
+    /// Continues from a checkpoint of the scene, bit for bit as if there had been no interruption.
     ///
     /// # Errors
     /// Columns that are missing, of another type or length, or hold values that no state can have.
     pub fn resume(scene: &Scene, checkpoint: &Checkpoint) -> Result<Self, StartError> {
-        let physics = Physics::of(scene);
-        let Assembly { wiring, pipeline, plan } = assemble(&physics)?;
+        Self::restore(&Physics::of(scene), scene.domain.origin, checkpoint)
+    }
+
+    /// The particles of a checkpoint in a pipeline of the given physics.
+    pub(super) fn restore(
+        physics: &Physics,
+        origin: f64,
+        checkpoint: &Checkpoint,
+    ) -> Result<Self, StartError> {
+        let Assembly { wiring, pipeline, plan } = assemble(physics)?;
         let mut store = wiring.allocate(checkpoint.particles());
         let clock = read_clock(&checkpoint.clock).map_err(StartError::Checkpoint)?;
         take_columns(&mut store, checkpoint).map_err(StartError::Checkpoint)?;
-        check_state(&store, scene.domain.origin).map_err(StartError::Checkpoint)?;
-        let mut simulation = Simulation { physics, world: World::new(store, clock), plan, pipeline };
-        if simulation.world.clock.step == 0 {
-            simulation.begin().map_err(StartError::Settling)?;
-        }
-        Ok(simulation)
+        check_state(&store, origin).map_err(StartError::Checkpoint)?;
+        Ok(Simulation { physics: physics.clone(), world: World::new(store, clock), plan, pipeline })
     }
 }
 
@@ -53,7 +67,10 @@ fn column(description: Description, values: &Values) -> Column {
         symbol: description.symbol.to_owned(),
         unit: description.unit.to_owned(),
         about: description.about.to_owned(),
-        role: checkpoint::Role::State,
+        role: match description.role {
+            Role::State => checkpoint::Role::State,
+            Role::Derived => checkpoint::Role::Derived,
+        },
         data: match values {
             Values::F64(values) => Data::F64(values.clone()),
             Values::U32(values) => Data::U32(values.clone()),
@@ -62,12 +79,13 @@ fn column(description: Description, values: &Values) -> Column {
 }
 
 fn written_clock(clock: &Clock) -> checkpoint::Clock {
-    let marks = clock.marks().iter();
+    let marks = clock.marks().iter().map(|&(name, time)| (name.to_owned(), time));
+    let bounds = clock.bounds_met().iter().map(|(reason, steps)| (format!("{BOUND}{reason}"), *steps as f64));
     checkpoint::Clock {
         step: clock.step,
         time: clock.time,
         step_size: clock.previous_step_size,
-        scalars: marks.map(|&(name, time)| (name.to_owned(), time)).collect(),
+        scalars: marks.chain(bounds).collect(),
     }
 }
 
@@ -78,6 +96,13 @@ fn read_clock(written: &checkpoint::Clock) -> Result<Clock, String> {
     }
     let mut clock = Clock::at(written.step, time, step_size);
     for (name, time) in &written.scalars {
+        if let Some(reason) = name.strip_prefix(BOUND) {
+            if !(*time >= 0.0 && *time <= written.step as f64) {
+                return Err(format!("the number `{name}` of its clock is {time}"));
+            }
+            clock.restore_bound(reason, *time as u64);
+            continue;
+        }
         let known = MARKS.iter().find(|mark| *mark == name);
         let name = known.ok_or_else(|| format!("its clock has an unknown mark `{name}`"))?;
         if !time.is_finite() {

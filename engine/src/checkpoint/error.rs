@@ -38,12 +38,18 @@ pub enum CheckpointError {
         path: PathBuf,
     },
     /// The format is not one this program knows.
-    #[error("{}: found format version {found}, expected {FORMAT_VERSION}; read it with the release that wrote it", path.display())]
+    #[error("{}: found format version {found}, expected {FORMAT_VERSION}; use it with the release that wrote it", path.display())]
     Version {
         /// The file.
         path: PathBuf,
         /// Version the file claims.
         found: u32,
+    },
+    /// The numbers were written with their bytes in the other order.
+    #[error("{}: its numbers were written most significant byte first, expected least significant first; convert it on the machine that wrote it", path.display())]
+    ByteOrder {
+        /// The file.
+        path: PathBuf,
     },
     /// The header does not match its checksum.
     #[error("{}: the header has checksum {found:016x}, expected {expected:016x}; the file is damaged, use an older checkpoint", path.display())]
@@ -126,11 +132,11 @@ pub enum CheckpointError {
 }
 
 impl CheckpointError {
-    /// Whether a file was found but its content is wrong, as opposed to one that is missing or
-    /// cannot be opened.
+    /// Whether a file was found but its content is wrong, as opposed to one that is missing,
+    /// cannot be opened, or was written by another release or machine.
     pub fn is_damage(&self) -> bool {
         match self {
-            Self::Io { .. } => false,
+            Self::Io { .. } | Self::Version { .. } | Self::ByteOrder { .. } => false,
             Self::NoneValid { skipped, .. } => skipped.iter().any(|(_, error)| error.is_damage()),
             _ => true,
         }

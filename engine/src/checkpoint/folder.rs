@@ -10,6 +10,7 @@ use super::write::UNFINISHED;
 
 const PREFIX: &str = "step-";
 const SUFFIX: &str = ".meniscus";
+const SET_ASIDE: &str = ".damaged";
 
 /// Name of the checkpoint after a number of steps: `step-000001234.meniscus`.
 pub fn file_name(step: u64) -> String {
@@ -33,20 +34,35 @@ pub fn list(folder: &Path) -> Result<Vec<(u64, PathBuf)>, CheckpointError> {
     Ok(found)
 }
 
-/// Reads the newest checkpoint of a folder that is whole. Also returns the newer ones that had to
-/// be passed over, each with the reason.
+/// Reads the newest checkpoint of a folder that is whole. Also returns the newer ones that are
+/// damaged, each with the reason.
 ///
 /// # Errors
-/// A folder that cannot be read or holds no valid checkpoint.
+/// A folder that cannot be read or holds no valid checkpoint; a newer file that cannot be opened or
+/// is of another release: it may be whole, so nothing may go on without it.
 pub fn newest_valid(folder: &Path) -> Result<(PathBuf, Checkpoint, Vec<Skipped>), CheckpointError> {
     let mut skipped = Vec::new();
     for (_, path) in list(folder)?.into_iter().rev() {
         match read(&path) {
             Ok(checkpoint) => return Ok((path, checkpoint, skipped)),
-            Err(error) => skipped.push((path, error)),
+            Err(error) if error.is_damage() => skipped.push((path, error)),
+            Err(error) => return Err(error),
         }
     }
     Err(CheckpointError::NoneValid { folder: folder.to_path_buf(), skipped })
+}
+
+/// Renames a damaged checkpoint, so that it counts no longer among those of its folder: else it
+/// would take the place of a whole one when old ones are removed. Returns the new name.
+///
+/// # Errors
+/// A file that cannot be renamed.
+pub fn set_aside(path: &Path) -> Result<PathBuf, CheckpointError> {
+    let mut name = path.as_os_str().to_owned();
+    name.push(SET_ASIDE);
+    let aside = PathBuf::from(name);
+    fs::rename(path, &aside).map_err(CheckpointError::io(path, "rename the damaged file"))?;
+    Ok(aside)
 }
 
 /// Removes all but the newest `count` checkpoints of a folder (one stays in any case), and what

@@ -109,16 +109,20 @@ impl Header {
         if !bytes.starts_with(&MAGIC) {
             return Err(CheckpointError::NotACheckpoint { path: path_buf() });
         }
+        // Every version ends its header with the checksum, so that damage and a newer version are told apart.
+        let found = xxh3_64(&bytes[..place::CHECKSUM]);
+        let expected = word(bytes, place::CHECKSUM);
+        if found == expected.swap_bytes() {
+            return Err(CheckpointError::ByteOrder { path: path_buf() });
+        }
+        if found != expected {
+            return Err(CheckpointError::HeaderDamaged { path: path_buf(), found, expected });
+        }
         let mut version = [0; 4];
         version.copy_from_slice(&bytes[place::VERSION..][..4]);
         let found = u32::from_le_bytes(version);
         if found != FORMAT_VERSION {
             return Err(CheckpointError::Version { path: path_buf(), found });
-        }
-        let found = xxh3_64(&bytes[..place::CHECKSUM]);
-        let expected = word(bytes, place::CHECKSUM);
-        if found != expected {
-            return Err(CheckpointError::HeaderDamaged { path: path_buf(), found, expected });
         }
         let header = Self::parse(bytes);
         let claimed = word(bytes, place::FILE_LENGTH);

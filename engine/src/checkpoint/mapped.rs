@@ -1,19 +1,27 @@
 //! A checkpoint looked at in place: the operating system reads only the pages that are used.
 
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use memmap2::Mmap;
+use xxhash_rust::xxh3::Xxh3;
 
-use super::contents::{Contents, length};
+use super::contents::{COLUMNS, Contents, length};
 use super::error::CheckpointError;
 use super::header::{FORMAT_VERSION, Header};
 use super::read::open;
 use super::types::{ArchivedColumn, ArchivedData, ArchivedRole, Clock, Preface, Role};
 
+/// Bytes that are read at a time; a multiple of every value's size, and small enough for a cache.
+const PIECE: usize = 1 << 18;
+
 /// An open checkpoint whose header, clock and scene were checked, and whose columns stay in the
 /// file until they are asked for.
 pub struct Mapped {
     path: PathBuf,
+    file: File,
     map: Mmap,
     header: Header,
     preface: Preface,
@@ -34,7 +42,7 @@ impl Mapped {
             unsafe { Mmap::map(&file) }.map_err(CheckpointError::io(path, "map the file into memory"))?;
         let contents = Contents { path, bytes: &map, header: &header };
         let preface = contents.preface()?;
-        Ok(Self { path: path.to_path_buf(), map, header, preface })
+        Ok(Self { path: path.to_path_buf(), file, map, header, preface })
     }
 
     /// The file.
@@ -77,12 +85,70 @@ impl Mapped {
         self.header.columns.length
     }
 
-    /// Reads the whole file once and checks it completely.
+    /// Checksum of the columns as the header tells it, xxh3.
+    pub fn columns_checksum(&self) -> u64 {
+        self.header.columns.checksum
+    }
+
+    /// Reads the columns once and checks them completely (the rest was checked when the file was
+    /// opened). They are read piece by piece: pages of the map would stay in memory.
     ///
     /// # Errors
     /// The first check that fails.
     pub fn verify(&self) -> Result<(), CheckpointError> {
-        self.contents().verified_columns().map(|_| ())
+        let mut hasher = Xxh3::new();
+        if let Some(range) = self.header.columns_range() {
+            self.read_pieces(range, |piece| hasher.update(piece))?;
+        }
+        let found = hasher.digest();
+        let expected = self.header.columns.checksum;
+        if found != expected {
+            let path = self.path.clone();
+            return Err(CheckpointError::SectionDamaged { path, section: COLUMNS, found, expected });
+        }
+        self.contents().table().map(|_| ())
+    }
+
+    /// Passes all values of a column, in the order of the particles and in the column's unit, to
+    /// `visit`, some ten thousand at a time: memory stays small however large the file is.
+    ///
+    /// # Errors
+    /// A file that cannot be read.
+    pub fn stream(
+        &self,
+        column: &ColumnView<'_>,
+        mut visit: impl FnMut(&[f64]),
+    ) -> Result<(), CheckpointError> {
+        let mut values = Vec::with_capacity(PIECE / size_of::<u32>());
+        let start = column.address().saturating_sub(self.map.as_ptr() as usize);
+        let integer = column.is_integer();
+        let size = if integer { size_of::<u32>() } else { size_of::<f64>() };
+        self.read_pieces(start..start + size * column.len(), |piece| {
+            values.clear();
+            if integer {
+                let (words, _) = piece.as_chunks();
+                values.extend(words.iter().map(|bytes| f64::from(u32::from_le_bytes(*bytes))));
+            } else {
+                let (words, _) = piece.as_chunks();
+                values.extend(words.iter().map(|bytes| f64::from_le_bytes(*bytes)));
+            }
+            visit(&values);
+        })
+    }
+
+    fn read_pieces(&self, range: Range<usize>, mut visit: impl FnMut(&[u8])) -> Result<(), CheckpointError> {
+        let read_error = || CheckpointError::io(&self.path, "read the file");
+        let mut file = &self.file;
+        file.seek(SeekFrom::Start(range.start as u64)).map_err(read_error())?;
+        let mut buffer = vec![0; PIECE.min(range.len())];
+        let mut left = range.len();
+        while left > 0 {
+            let piece = &mut buffer[..left.min(PIECE)];
+            file.read_exact(piece).map_err(read_error())?;
+            visit(piece);
+            left -= piece.len();
+        }
+        Ok(())
     }
 
     /// The columns, in place. Safe to walk also where [`verify`](Self::verify) was not called, but
@@ -138,6 +204,14 @@ impl<'a> ColumnView<'a> {
     /// Whether the values are whole numbers.
     pub fn is_integer(&self) -> bool {
         matches!(self.column.data, ArchivedData::U32(_))
+    }
+
+    /// Where in memory the values begin.
+    fn address(&self) -> usize {
+        match &self.column.data {
+            ArchivedData::F64(values) => values.as_ptr() as usize,
+            ArchivedData::U32(values) => values.as_ptr() as usize,
+        }
     }
 
     /// Number of values.

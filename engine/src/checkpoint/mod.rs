@@ -1,5 +1,7 @@
 //! Checkpoints: the whole state of a run in one file, safe against crashes and damage.
 //!
+//! `FORMAT.md` beside this file tells the layout byte by byte, `read_checkpoint.py` reads it in Python.
+//!
 //! A file is a header of 4096 bytes (own layout, see `header.rs`) and two sections, each starting
 //! on a page of 4096 bytes and zero-padded to a whole number of pages:
 //!
@@ -31,9 +33,9 @@ mod types;
 mod write;
 
 pub use error::{CheckpointError, Skipped};
-pub use folder::{file_name, keep_last, list, newest_valid};
+pub use folder::{file_name, keep_last, list, newest_valid, set_aside};
 pub use header::FORMAT_VERSION;
 pub use mapped::{ColumnView, Mapped};
-pub use read::read;
+pub use read::{parse, read};
 pub use types::{Checkpoint, Clock, Column, Data, Role};
 pub use write::write;

@@ -25,7 +25,22 @@ pub fn read(path: &Path) -> Result<Checkpoint, CheckpointError> {
     bytes.resize(end.unwrap_or(HEADER_LENGTH), 0);
     // The header's own place stays zero: it has been read.
     file.read_exact(&mut bytes[HEADER_LENGTH..]).map_err(CheckpointError::io(path, "read the file"))?;
-    let contents = Contents { path, bytes: &bytes, header: &header };
+    take(&Contents { path, bytes: &bytes, header: &header })
+}
+
+/// Reads a checkpoint from the bytes of a file and checks all of them; `path` is only what errors name.
+///
+/// # Errors
+/// As [`read`].
+pub fn parse(path: &Path, bytes: &[u8]) -> Result<Checkpoint, CheckpointError> {
+    let header = Header::decode(path, bytes, bytes.len() as u64)?;
+    let mut aligned: AlignedVec = AlignedVec::with_capacity(bytes.len());
+    aligned.extend_from_slice(bytes);
+    take(&Contents { path, bytes: &aligned, header: &header })
+}
+
+fn take(contents: &Contents<'_>) -> Result<Checkpoint, CheckpointError> {
+    let path = contents.path;
     let Preface { clock, scene, revision } = contents.preface()?;
     let columns =
         rkyv::deserialize::<Vec<Column>, BoxedError>(contents.verified_columns()?).map_err(|source| {

@@ -5,8 +5,9 @@ use std::collections::{BTreeMap, HashMap};
 use meniscus_engine::checkpoint::{CheckpointError, Clock, ColumnView, Mapped};
 use serde::Serialize;
 
+use super::columns::column;
+use super::open::particles as length;
 use super::print::number;
-use super::totals::column;
 
 /// All differences between two checkpoints. The names of the entries are those of the JSON output.
 #[derive(Debug, Serialize)]
@@ -200,10 +201,6 @@ fn numbers(clock: &Clock) -> BTreeMap<&str, f64> {
     let mut numbers: BTreeMap<&str, f64> = scalars.map(|(name, value)| (name.as_str(), *value)).collect();
     numbers.extend([("time", clock.time), ("last step size", clock.step_size)]);
     numbers
-}
-
-fn length(columns: &[ColumnView<'_>]) -> usize {
-    columns.first().map_or(0, ColumnView::len)
 }
 
 fn missing(columns: &[ColumnView<'_>], others: &[ColumnView<'_>]) -> Vec<String> {

@@ -4,7 +4,11 @@ use std::io;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use meniscus_cases::scene::Diagnosis;
 use meniscus_engine::checkpoint::{CheckpointError, ColumnView};
+
+use super::columns::FOLLOWING;
+use crate::output::OutputError;
 
 /// What an inspection found.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
@@ -35,20 +39,30 @@ pub enum Failure {
     NoCheckpoint { folder: PathBuf },
     #[error("found no field `{name}`; this checkpoint has {known}")]
     UnknownField { name: String, known: String },
-    #[error("a place needs the fields `radius` and `axial`; this checkpoint has {known}")]
-    NoCoordinates { known: String },
-    #[error("this checkpoint has no particle with a finite position; leave out --at")]
+    #[error(
+        "the checkpoint's scene is none that this release reads, and this quantity needs it; leave it out, or use the release that wrote the file"
+    )]
+    NoScene,
+    #[error("this checkpoint has no particle with a finite position")]
     NoParticle,
+    #[error("{}: the name ends in none of {expected}; give the file one of these endings", path.display())]
+    UnknownEnding { path: PathBuf, expected: &'static str },
+    #[error("{}: there is a file already; choose another name, or replace it with --overwrite", path.display())]
+    Exists { path: PathBuf },
+    #[error("{0}")]
+    Condition(Diagnosis),
+    #[error(transparent)]
+    File(#[from] OutputError),
     #[error("cannot write the output: {0}; check what the output is connected to")]
     Output(#[from] io::Error),
 }
 
 impl Failure {
-    /// 1 for a file that is damaged, 2 for anything that other arguments would mend.
+    /// 1 for a file that is damaged or cannot be written, 2 for anything that other arguments would mend.
     pub fn exit_code(&self) -> ExitCode {
         match self {
             Self::Checkpoint(error) if error.is_damage() => ExitCode::from(1),
-            Self::Output(_) => ExitCode::from(1),
+            Self::Output(_) | Self::File(_) => ExitCode::from(1),
             _ => ExitCode::from(2),
         }
     }
@@ -57,10 +71,20 @@ impl Failure {
     pub fn is_closed_pipe(&self) -> bool {
         matches!(self, Self::Output(error) if error.kind() == io::ErrorKind::BrokenPipe)
     }
+
+    /// The whole message for people; a condition is shown with the place of its mistake.
+    pub fn told(&self) -> String {
+        match self {
+            Self::Condition(diagnosis) => format!("{:?}", miette::Report::new(diagnosis.clone())),
+            _ => format!("error: {self}"),
+        }
+    }
 }
 
-/// The names of the columns, for a message.
+/// The names of the columns and of what follows from them, for a message.
 pub fn known(columns: &[ColumnView<'_>]) -> String {
-    let names: Vec<String> = columns.iter().map(|column| format!("`{}`", column.name())).collect();
-    if names.is_empty() { "none".to_owned() } else { names.join(", ") }
+    let names = columns.iter().map(ColumnView::name);
+    let names = names.chain(FOLLOWING.map(|(name, _)| name));
+    let names: Vec<String> = names.map(|name| format!("`{name}`")).collect();
+    names.join(", ")
 }

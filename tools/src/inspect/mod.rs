@@ -1,36 +1,50 @@
 //! `meniscus inspect`: what stands in a checkpoint, whether it is whole, how two of them differ.
+//!
+//! One file for each subcommand; what they share lies in `open`, `columns`, `listing`, `around`, `print`.
 
+mod around;
+mod at;
+mod columns;
 mod compare;
-mod difference;
+mod diagnose;
+mod diff;
+mod drops;
+mod export;
 mod failure;
-mod nearest;
+mod fields;
+mod listing;
+mod open;
 mod print;
+mod render;
 mod statistics;
-mod survey;
+mod summary;
 #[cfg(test)]
 mod tests;
-mod totals;
+mod top;
 mod verify;
+mod wanted;
 
 use std::io::{self, BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
-use meniscus_engine::checkpoint::list;
-
 use failure::{Failure, Verdict};
-use nearest::Place;
 
 const EXAMPLES: &str = "\
 Examples:
-  meniscus inspect runs/drop                       the newest checkpoint of a run
-  meniscus inspect step-000001000.meniscus --field density --field pressure
-  meniscus inspect runs/drop --at '2 um, 0'        the particle nearest to r = 2 um, z = 0
-  meniscus inspect runs/drop --json | jq .time
-  meniscus inspect verify runs/drop/checkpoints/*  check every byte
-  meniscus inspect diff a.meniscus b.meniscus --tolerance 1e-9
+  meniscus inspect runs/drop                              the newest checkpoint of a run
+  meniscus inspect fields runs/drop density               statistics, histogram, places of the extremes
+  meniscus inspect diagnose runs/drop                     energies, drops, neighbours, time step
+  meniscus inspect at runs/drop '2 um' 0                  the particle nearest to r = 2 um, z = 0
+  meniscus inspect top runs/drop speed                    the fastest particles
+  meniscus inspect where runs/drop 'density < 990 kg/m3'  the particles that are thin
+  meniscus inspect render runs/drop speed speed.png       a picture
+  meniscus inspect export runs/drop drop.vtp              for ParaView; .csv and .npy as well
+  meniscus inspect verify runs/drop                       check every byte of a run
+  meniscus inspect diff a.meniscus b.meniscus             where two of them part
 
-Exit codes: 0 done; 1 a file is damaged, or `diff` found a difference; 2 bad input.";
+All take --json. Exit codes: 0 done; 1 a file is damaged, or `diff` found a
+difference; 2 bad input.";
 
 /// What to inspect, and how to show it.
 #[derive(clap::Args, Debug)]
@@ -45,26 +59,31 @@ pub struct Arguments {
     /// A checkpoint, or the folder of a run: then its newest checkpoint
     #[arg(required = true)]
     checkpoint: Option<PathBuf>,
-    /// Show this field only, with a histogram; may be given several times
-    #[arg(long = "field", value_name = "NAME")]
-    fields: Vec<String>,
-    /// Show the fields of the particle nearest to this place; metres, or with a unit: "2 um, 0"
-    #[arg(long, value_name = "R,Z", allow_hyphen_values = true)]
-    at: Option<Place>,
     /// Print JSON
-    #[arg(long, conflicts_with = "csv")]
-    json: bool,
-    /// Print the table of fields as comma-separated values
     #[arg(long)]
-    csv: bool,
+    json: bool,
 }
 
 #[derive(clap::Subcommand, Debug)]
 enum Action {
-    /// Check every byte of checkpoints; exit code 1 if one is damaged
+    /// Statistics of the fields: extremes and their places, mean, deviation, histogram
+    Fields(fields::Arguments),
+    /// Mass, momentum, energies, drops, neighbours, packing, bounds of the time step
+    Diagnose(diagnose::Arguments),
+    /// Check every byte of checkpoints or of a run's folder; exit code 1 if one is damaged
     Verify(verify::Arguments),
     /// Compare two checkpoints field by field; exit code 1 if they differ
-    Diff(difference::Arguments),
+    Diff(diff::Arguments),
+    /// List the particles nearest to a place
+    At(at::Arguments),
+    /// List the particles with the largest values of a field
+    Top(top::Arguments),
+    /// List the particles that meet a condition
+    Where(wanted::Arguments),
+    /// Draw a field as a PNG picture
+    Render(render::Arguments),
+    /// Write all fields for other programs: ParaView (.vtp), tables (.csv), numpy (.npy)
+    Export(export::Arguments),
 }
 
 /// Inspects, prints to standard output, and tells how it went: 0 done, 1 damage or difference,
@@ -78,7 +97,7 @@ pub fn run(arguments: &Arguments) -> ExitCode {
         Err(failure) if failure.is_closed_pipe() => ExitCode::SUCCESS,
         Err(failure) => {
             // Nobody can be told if standard error is closed as well; the exit code still speaks.
-            let _ = writeln!(io::stderr(), "error: {failure}");
+            let _ = writeln!(io::stderr(), "{}", failure.told());
             failure.exit_code()
         }
     }
@@ -86,43 +105,18 @@ pub fn run(arguments: &Arguments) -> ExitCode {
 
 fn execute(arguments: &Arguments, output: &mut dyn Write) -> Result<Verdict, Failure> {
     match &arguments.action {
+        Some(Action::Fields(arguments)) => fields::run(arguments, output),
+        Some(Action::Diagnose(arguments)) => diagnose::run(arguments, output),
         Some(Action::Verify(arguments)) => verify::run(arguments, output),
-        Some(Action::Diff(arguments)) => difference::run(arguments, output),
-        None => show(arguments, output),
+        Some(Action::Diff(arguments)) => diff::run(arguments, output),
+        Some(Action::At(arguments)) => at::run(arguments, output),
+        Some(Action::Top(arguments)) => top::run(arguments, output),
+        Some(Action::Where(arguments)) => wanted::run(arguments, output),
+        Some(Action::Render(arguments)) => render::run(arguments, output),
+        Some(Action::Export(arguments)) => export::run(arguments, output),
+        None => {
+            let path = arguments.checkpoint.as_deref().ok_or(Failure::NothingNamed)?;
+            summary::run(path, arguments.json, output)
+        }
     }
-}
-
-fn show(arguments: &Arguments, output: &mut dyn Write) -> Result<Verdict, Failure> {
-    let path = arguments.checkpoint.as_deref().ok_or(Failure::NothingNamed)?;
-    let path = newest(path)?;
-    let (survey, damage) = survey::take(&path, &arguments.fields, arguments.at)?;
-    if arguments.json {
-        print::json(&survey, output)?;
-    } else if arguments.csv {
-        print::csv(&survey, output)?;
-    } else {
-        print::text(&survey, output)?;
-    }
-    match damage {
-        None => Ok(Verdict::Good),
-        Some(error) => Err(error.into()),
-    }
-}
-
-/// The checkpoint that a path means: itself, or the newest of a folder.
-fn newest(path: &Path) -> Result<PathBuf, Failure> {
-    match all(path)?.pop() {
-        Some(path) => Ok(path),
-        None => Err(Failure::NoCheckpoint { folder: path.to_path_buf() }),
-    }
-}
-
-/// The checkpoints that a path means, oldest first: itself, or those of a run's folder.
-fn all(path: &Path) -> Result<Vec<PathBuf>, Failure> {
-    if !path.is_dir() {
-        return Ok(vec![path.to_path_buf()]);
-    }
-    let inner = path.join("checkpoints");
-    let folder = if inner.is_dir() { &inner } else { path };
-    Ok(list(folder)?.into_iter().map(|(_, path)| path).collect())
 }

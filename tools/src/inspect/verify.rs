@@ -1,53 +1,123 @@
 //! `meniscus inspect verify`: is every byte as it was written?
 
+use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use meniscus_engine::checkpoint::{CheckpointError, ColumnView, Mapped};
+use meniscus_engine::checkpoint::{CheckpointError, Mapped};
+use serde::Serialize;
 
-use super::all;
 use super::failure::{Failure, Verdict};
-use super::print::number;
+use super::open::{checkpoints, particles};
+use super::print::{self, number};
+use crate::output::{OutputError, series, summary};
 
 /// What to check.
 #[derive(clap::Args, Debug)]
+#[command(after_help = "\
+Examples:
+  meniscus inspect verify runs/drop                       checkpoints, series and summary of a run
+  meniscus inspect verify runs/drop/checkpoints/step-*    some of its checkpoints
+  meniscus inspect verify runs/* --json
+
+Exit codes: 0 all is whole; 1 something is damaged; 2 something cannot be read.")]
 pub struct Arguments {
-    /// Checkpoints, or folders of runs: then all their checkpoints
+    /// Checkpoints, or folders of runs: then all that can be checked in them
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// What was found out about one file. The names of the entries are those of the JSON output.
+#[derive(Debug, Serialize)]
+struct Finding {
+    file: String,
+    /// None where the file could not be read.
+    whole: Option<bool>,
+    /// What it holds, or what is wrong with it.
+    note: String,
 }
 
 /// Checks all files and prints one line for each. Damage outranks a file that cannot be opened.
 pub fn run(arguments: &Arguments, output: &mut dyn Write) -> Result<Verdict, Failure> {
-    let mut verdict = Verdict::Good;
+    let mut findings = Vec::new();
     let mut unreadable = None;
     for named in &arguments.files {
-        let files = all(named)?;
+        let files = files(named)?;
         if files.is_empty() {
             unreadable = Some(Failure::NoCheckpoint { folder: named.clone() });
         }
         for file in files {
-            match check(&file) {
-                Ok(line) => writeln!(output, "{}: whole, {line}", file.display())?,
-                Err(error) if error.is_damage() => {
-                    writeln!(output, "DAMAGED {error}")?;
-                    verdict = Verdict::Bad;
+            let (whole, note) = match check(&file) {
+                Ok(note) => (Some(true), note),
+                Err(failure) if is_damage(&failure) => (Some(false), failure.to_string()),
+                Err(failure) => {
+                    let note = failure.to_string();
+                    unreadable = Some(failure);
+                    (None, note)
                 }
-                Err(error) => unreadable = Some(error.into()),
+            };
+            findings.push(Finding { file: file.display().to_string(), whole, note });
+        }
+    }
+    if arguments.json {
+        print::json(&findings, output)?;
+    } else {
+        for Finding { file, whole, note } in &findings {
+            match whole {
+                Some(true) => writeln!(output, "{file}: whole, {note}")?,
+                Some(false) => writeln!(output, "DAMAGED {note}")?,
+                None => writeln!(output, "UNREAD {note}")?,
             }
         }
     }
+    let damaged = findings.iter().any(|finding| finding.whole == Some(false));
     match unreadable {
-        Some(failure) if verdict == Verdict::Good => Err(failure),
-        Some(failure) => {
-            writeln!(output, "{failure}")?;
-            Ok(verdict)
-        }
-        None => Ok(verdict),
+        _ if damaged => Ok(Verdict::Bad),
+        Some(failure) => Err(failure),
+        None => Ok(Verdict::Good),
     }
 }
 
-fn check(file: &Path) -> Result<String, CheckpointError> {
+fn is_damage(failure: &Failure) -> bool {
+    match failure {
+        Failure::Checkpoint(error) => error.is_damage(),
+        Failure::File(OutputError::Content { .. }) => true,
+        _ => false,
+    }
+}
+
+/// A file itself; of a run's folder all checkpoints, oldest first, its series and its summary.
+fn files(named: &Path) -> Result<Vec<PathBuf>, Failure> {
+    if !named.is_dir() {
+        return Ok(vec![named.to_path_buf()]);
+    }
+    let folder = checkpoints(named);
+    let unread = |source| CheckpointError::Io { path: folder.clone(), action: "read the folder", source };
+    let entries = fs::read_dir(&folder).map_err(unread)?;
+    let mut found = Vec::new();
+    for entry in entries {
+        let path = entry.map_err(unread)?.path();
+        if path.extension().is_some_and(|ending| ending == "meniscus") {
+            found.push(path);
+        }
+    }
+    found.sort();
+    let others = ["series.csv", "summary.json"].map(|name| named.join(name));
+    found.extend(others.into_iter().filter(|path| path.exists()));
+    Ok(found)
+}
+
+fn check(file: &Path) -> Result<String, Failure> {
+    let name = file.file_name().and_then(|name| name.to_str());
+    if name == Some("series.csv") {
+        return Ok(format!("{} rows", series::read(file)?.rows.len()));
+    }
+    if name == Some("summary.json") {
+        return Ok(format!("{} steps", summary::Summary::read(file)?.steps));
+    }
     let mapped = Mapped::open(file)?;
     mapped.verify()?;
     let columns = mapped.columns()?;
@@ -55,7 +125,7 @@ fn check(file: &Path) -> Result<String, CheckpointError> {
         "step {}, time {} s, {} particles, {} fields",
         mapped.clock().step,
         number(mapped.clock().time),
-        columns.first().map_or(0, ColumnView::len),
+        particles(&columns),
         columns.len()
     ))
 }

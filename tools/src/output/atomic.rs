@@ -16,7 +16,7 @@ pub(super) const UNFINISHED_PREFIX: &str = ".meniscus-unfinished-";
 /// # Errors
 /// When the folder cannot be written or `content` fails; `path` is then as it
 /// was before.
-pub(super) fn write_atomic(
+pub(crate) fn write_atomic(
     path: &Path,
     content: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
 ) -> OutputResult<()> {

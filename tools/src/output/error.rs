@@ -54,6 +54,9 @@ pub enum OutputError {
     /// The output folder's place is taken by something that is no folder.
     #[error("`{}` is not a folder; choose another place with `--out DIR`", .0.display())]
     NotAFolder(PathBuf),
+    /// Another process writes into the folder.
+    #[error("another run is writing into `{}`; wait for its end or stop it, or choose another folder", .0.display())]
+    InUse(PathBuf),
     /// There is no run to continue at this place.
     #[error("there is no run in `{}` (no `checkpoints` folder)", .0.display())]
     NoRun(PathBuf),

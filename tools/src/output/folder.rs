@@ -1,9 +1,11 @@
 //! The folder of a run: made once, never overwritten by accident.
 
-use std::fs;
+use std::fs::{self, File, TryLockError};
+use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use super::atomic::UNFINISHED_PREFIX;
+use super::atomic::{UNFINISHED_PREFIX, write_atomic};
 use super::{OutputError, OutputResult};
 
 /// Plain files that a run makes at the top of its folder.
@@ -16,10 +18,12 @@ const PICTURES: [&str; 2] = ["png", "svg"];
 /// not: it may be the user's own.
 const SIGNS: [&str; 3] = ["summary.json", "series.csv", "checkpoints"];
 
-/// The folder of one run, with the places of its files.
+/// The folder of one run, with the places of its files. No other process can
+/// write into it as a run while this lives.
 #[derive(Debug, Clone)]
 pub struct RunFolder {
     path: PathBuf,
+    _lock: Option<Arc<File>>,
 }
 
 impl RunFolder {
@@ -30,7 +34,8 @@ impl RunFolder {
     ///
     /// # Errors
     /// When the folder holds anything and `overwrite` is not given, when it
-    /// holds files but no run, when it is no folder, or cannot be made.
+    /// holds files but no run, when it is no folder, cannot be made, or is
+    /// being written by another process.
     pub fn create(path: impl Into<PathBuf>, overwrite: bool) -> OutputResult<Self> {
         let path = path.into();
         if path.symlink_metadata().is_ok() && !path.is_dir() {
@@ -43,21 +48,37 @@ impl RunFolder {
             if !SIGNS.iter().any(|sign| path.join(sign).exists()) {
                 return Err(OutputError::NotARun(path));
             }
-            remove_run(&path)?;
+            let run = Self::lock(path)?;
+            remove_run(&run.path)?;
+            return run.with_subfolders();
         }
-        Self { path }.with_subfolders()
+        fs::create_dir_all(&path).map_err(OutputError::file("create the folder", &path))?;
+        Self::lock(path)?.with_subfolders()
     }
 
-    /// Opens the folder of an earlier run, to continue it.
+    /// Opens the folder of an earlier run, to continue it, and removes the
+    /// files that it could not finish.
     ///
     /// # Errors
-    /// When there is no run in it.
+    /// When there is no run in it, or another process writes into it.
     pub fn open(path: impl Into<PathBuf>) -> OutputResult<Self> {
         let path = path.into();
         if !path.join("checkpoints").is_dir() {
             return Err(OutputError::NoRun(path));
         }
-        Self { path }.with_subfolders()
+        let run = Self::lock(path)?.with_subfolders()?;
+        remove_unfinished(&run.path)?;
+        remove_unfinished(&run.frames())?;
+        Ok(run)
+    }
+
+    /// Takes the folder for this process. Where the system locks no folders, nothing is taken.
+    fn lock(path: PathBuf) -> OutputResult<Self> {
+        let folder = File::open(&path).ok();
+        match folder.as_ref().map(File::try_lock) {
+            Some(Err(TryLockError::WouldBlock)) => Err(OutputError::InUse(path)),
+            _ => Ok(Self { path, _lock: folder.map(Arc::new) }),
+        }
     }
 
     fn with_subfolders(self) -> OutputResult<Self> {
@@ -93,6 +114,19 @@ impl RunFolder {
         self.file("scene.toml")
     }
 
+    /// Writes the scene, all of it or nothing.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn write_scene(&self, text: &str) -> OutputResult<()> {
+        write_atomic(&self.scene(), |file| file.write_all(text.as_bytes()))
+    }
+
+    /// The state of the particles that still settle.
+    pub fn settling(&self) -> PathBuf {
+        self.checkpoints().join("settling.meniscus")
+    }
+
     /// The profile of the run.
     pub fn trace(&self) -> PathBuf {
         self.file("trace.json")
@@ -115,14 +149,14 @@ impl RunFolder {
 }
 
 fn is_empty(path: &Path) -> OutputResult<bool> {
-    let mut entries = fs::read_dir(path).map_err(OutputError::file("read the folder", path))?;
-    Ok(entries.next().is_none())
+    Ok(entries(path)?.is_empty())
 }
 
 fn remove_run(folder: &Path) -> OutputResult<()> {
-    let entries = fs::read_dir(folder).map_err(OutputError::file("read the folder", folder))?;
-    for entry in entries {
-        let path = entry.map_err(OutputError::file("read the folder", folder))?.path();
+    let mut paths = entries(folder)?;
+    // What shows that this is a run goes last: an interrupted removal can be taken up again.
+    paths.sort_by_key(|path| path.file_name().is_some_and(|name| SIGNS.iter().any(|sign| name == *sign)));
+    for path in paths {
         let kind = path.symlink_metadata().map_err(OutputError::file("inspect", &path))?;
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         if kind.is_dir() && FOLDERS.contains(&name.as_ref()) {
@@ -131,6 +165,22 @@ fn remove_run(folder: &Path) -> OutputResult<()> {
             // A link is removed, never followed.
             fs::remove_file(&path).map_err(OutputError::file("remove", &path))?;
         }
+    }
+    Ok(())
+}
+
+fn entries(folder: &Path) -> OutputResult<Vec<PathBuf>> {
+    let unread = || OutputError::file("read the folder", folder);
+    let entries = fs::read_dir(folder).map_err(unread())?;
+    entries.map(|entry| Ok(entry.map_err(unread())?.path())).collect()
+}
+
+fn remove_unfinished(folder: &Path) -> OutputResult<()> {
+    let unfinished = |path: &&PathBuf| {
+        path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(UNFINISHED_PREFIX))
+    };
+    for path in entries(folder)?.iter().filter(unfinished) {
+        fs::remove_file(path).map_err(OutputError::file("remove", path))?;
     }
     Ok(())
 }
@@ -180,7 +230,7 @@ mod tests {
         for name in ["notes.txt", "analysis.py"] {
             fs::write(run.file(name), "mine").unwrap();
         }
-        let run = RunFolder::create(run.path(), true).unwrap();
+        let run = RunFolder::create(path_of(run), true).unwrap();
         let mut names: Vec<_> = fs::read_dir(run.path())
             .unwrap()
             .map(|entry| entry.unwrap().file_name().into_string().unwrap())
@@ -200,8 +250,27 @@ mod tests {
         let run = RunFolder::create(parent.path().join("run"), false).unwrap();
         fs::remove_dir(run.frames()).unwrap();
         std::os::unix::fs::symlink(&precious, run.frames()).unwrap();
-        RunFolder::create(run.path(), true).unwrap();
+        RunFolder::create(path_of(run), true).unwrap();
         assert!(precious.join("data").exists());
+    }
+
+    /// Lets a folder go.
+    fn path_of(run: RunFolder) -> PathBuf {
+        run.path
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_folder_belongs_to_one_run_at_a_time() {
+        let parent = tempfile::tempdir().unwrap();
+        let run = RunFolder::create(parent.path().join("run"), false).unwrap();
+        for refused in [RunFolder::create(run.path(), true), RunFolder::open(run.path())] {
+            let refusal = refused.unwrap_err().to_string();
+            assert!(refusal.contains("another run is writing"), "{refusal}");
+        }
+        fs::write(run.file(&format!("{UNFINISHED_PREFIX}x")), "half").unwrap();
+        let run = RunFolder::open(path_of(run)).unwrap();
+        assert_eq!(entries(run.path()).unwrap().len(), 2, "what was left unfinished is gone");
     }
 
     #[test]

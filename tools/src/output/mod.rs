@@ -5,7 +5,7 @@
 //! was killed) is written next to its place and renamed, so that it is either
 //! the old one or the new one, never half of either.
 
-mod atomic;
+pub(crate) mod atomic;
 mod axis;
 mod canvas;
 mod error;

@@ -52,6 +52,9 @@ pub struct Window {
     pub r: (f64, f64),
     /// Least and greatest position along it.
     pub z: (f64, f64),
+    /// Whether both sides of the axis are shown; by default unless the liquid
+    /// is further from the axis than it is wide.
+    pub mirrored: Option<bool>,
 }
 
 /// A picture to be drawn.
@@ -83,13 +86,11 @@ impl Window {
             })
         };
         let (r, z) = (range(particles.r)?, range(particles.z)?);
-        Some(Self { r: (r.0.max(0.0), r.1), z })
+        Some(Self { r: (r.0.max(0.0), r.1), z, mirrored: None })
     }
 
-    /// Whether both sides of the axis are shown: unless the liquid is further
-    /// from the axis than it is wide.
     fn is_mirrored(&self) -> bool {
-        self.r.0 <= self.r.1 - self.r.0
+        self.mirrored.unwrap_or(self.r.0 <= self.r.1 - self.r.0)
     }
 
     /// Least and greatest abscissa shown, in metres.

@@ -88,6 +88,14 @@ impl SeriesWriter {
         Ok(Self { file, path: path.to_path_buf(), columns })
     }
 
+    /// The file, to bring on the disk what was appended so far.
+    ///
+    /// # Errors
+    /// When the system has no handle left.
+    pub fn file(&self) -> OutputResult<File> {
+        self.file.try_clone().map_err(OutputError::file("open", &self.path))
+    }
+
     /// Appends one row.
     ///
     /// # Errors

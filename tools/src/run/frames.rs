@@ -1,6 +1,7 @@
 //! Frames: particles for ParaView and pictures, at equal distances in time.
 
 use std::fs;
+use std::io::Write;
 use std::path::PathBuf;
 
 use meniscus_cases::scene::Scene;
@@ -9,6 +10,7 @@ use meniscus_stages::fields;
 use serde::{Deserialize, Serialize};
 
 use super::columns::{Shown, column, pressure, shown, size};
+use crate::output::atomic::write_atomic;
 use crate::output::colour::ColourMap;
 use crate::output::folder::RunFolder;
 use crate::output::picture::{Particles, Picture, Shade, Window, write_picture};
@@ -94,7 +96,7 @@ impl Frames {
         let path = self.index_path();
         let text = serde_json::to_string_pretty(&self.index)
             .map_err(|error| OutputError::data(&path, error.to_string()))?;
-        fs::write(&path, text).map_err(OutputError::file("write", &path))
+        write_atomic(&path, |file| file.write_all(text.as_bytes()))
     }
 
     fn draw(&mut self, file: &str, scene: &Scene, simulation: &Simulation) -> OutputResult<()> {
@@ -122,7 +124,7 @@ impl Frames {
                 map: if view.colours.0 == -view.colours.1 { ColourMap::BlueRed } else { ColourMap::Viridis },
                 range: Some(view.colours),
             },
-            window: Some(Window { r: view.r, z: view.z }),
+            window: Some(Window { r: view.r, z: view.z, mirrored: None }),
         };
         write_picture(&self.folder.file(file), &picture)
     }
@@ -135,7 +137,7 @@ fn due(scene: &Scene, time: f64) -> u64 {
 
 /// A view with room for what is going to happen: the first picture fixes it for all.
 fn first_view(scene: &Scene, particles: &Particles, values: &[f64]) -> View {
-    let window = Window::around(particles).unwrap_or(Window { r: (0.0, 1.0), z: (0.0, 1.0) });
+    let window = Window::around(particles).unwrap_or(Window { r: (0.0, 1.0), z: (0.0, 1.0), mirrored: None });
     let margin = 0.1 * (window.r.1 - window.r.0).max(window.z.1 - window.z.0);
     View {
         r: ((window.r.0 - margin).max(0.0), window.r.1 + margin),

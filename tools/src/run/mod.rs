@@ -1,10 +1,13 @@
 //! `meniscus run` and `meniscus resume`: from a scene to its results.
 
+mod checkpoints;
 mod columns;
 mod frames;
 mod plots;
 mod recorder;
 mod report;
+mod resume;
+mod settle;
 mod signals;
 mod stopwatch;
 
@@ -12,12 +15,11 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use meniscus_cases::scene::{self, Scene};
-use meniscus_cases::simulation::Simulation;
-use meniscus_engine::checkpoint;
-use meniscus_engine::clock::Clock;
+use meniscus_cases::simulation::{Settling, Simulation};
+use meniscus_engine::checkpoint::Checkpoint;
 use meniscus_engine::pipeline::Fault;
 
-use crate::command::{ResumeArguments, RunArguments, pool};
+use crate::command::{RunArguments, pool};
 use crate::failure::Failure;
 use crate::output::folder::RunFolder;
 use crate::output::progress::Progress;
@@ -25,6 +27,7 @@ use crate::output::summary::{Status, Summary, print_table};
 use crate::output::units::{grouped, quantity};
 use crate::plan::sound_speed_sentence;
 use recorder::Recorder;
+pub(crate) use resume::resume;
 pub(crate) use signals::{INTERRUPTED, Signals};
 use stopwatch::{Moment, Stopwatch};
 
@@ -33,6 +36,16 @@ enum End {
     Done,
     Interrupted,
     Failed(Fault),
+}
+
+/// From where a run goes on.
+enum Start {
+    /// Nothing has been computed yet.
+    Scene,
+    /// The particles settle.
+    Settling(Box<Checkpoint>),
+    /// The clock has started.
+    Running(Box<Checkpoint>),
 }
 
 /// What a run costs, and since when.
@@ -77,6 +90,7 @@ impl Display {
 /// Runs a scene.
 pub(crate) fn run(arguments: &RunArguments) -> Result<ExitCode, Failure> {
     let started = Moment::now();
+    let signals = listen()?;
     let settings = [arguments.set.clone(), arguments.extent.settings()].concat();
     let scene = scene::read(&arguments.scene, &settings)?;
     columns::check_colour(&scene)?;
@@ -85,32 +99,11 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<ExitCode, Failure> {
     let out = out.unwrap_or_else(|| default_folder(&arguments.scene));
     let folder =
         RunFolder::create(out, arguments.overwrite).map_err(|error| Failure::input(error.to_string()))?;
-    std::fs::write(folder.scene(), &scene.text).map_err(|error| not_written(&folder.scene(), &error))?;
+    folder.write_scene(&scene.text)?;
     let display = Display::alone(arguments.extent.quiet);
-    let run = Run { scene, folder, signals: listen()?, display, started };
+    let run = Run { scene, folder, signals, display, started };
     run.introduce();
-    pool.install(|| run.begin()).map(|summary| tell(&summary))
-}
-
-/// Continues a run.
-pub(crate) fn resume(arguments: &ResumeArguments) -> Result<ExitCode, Failure> {
-    let started = Moment::now();
-    let folder = RunFolder::open(&arguments.folder);
-    let folder = folder.map_err(|error| Failure::input(error.to_string()))?;
-    let newest = checkpoint::newest_valid(&folder.checkpoints());
-    let (path, checkpoint, skipped) = newest.map_err(|error| Failure::input(error.to_string()))?;
-    for (_, error) in skipped {
-        eprintln!("passed over: {error}");
-    }
-    let name = path.display().to_string();
-    let scene = scene::parse(&name, &checkpoint.scene, &arguments.extent.settings())?;
-    columns::check_colour(&scene)?;
-    let pool = pool(arguments.extent.threads)?;
-    std::fs::write(folder.scene(), &scene.text).map_err(|error| not_written(&folder.scene(), &error))?;
-    let display = Display::alone(arguments.extent.quiet);
-    let run = Run { scene, folder, signals: listen()?, display, started };
-    eprintln!("continues from {name}");
-    pool.install(|| run.pick_up(&checkpoint)).map(|summary| tell(&summary))
+    pool.install(|| run.go(Start::Scene)).map(|summary| tell(&summary))
 }
 
 /// Runs a scene into a folder, on the threads of the caller's pool.
@@ -121,8 +114,8 @@ pub(crate) fn run_into(
     display: Display,
 ) -> Result<Summary, Failure> {
     let started = Moment::now();
-    std::fs::write(folder.scene(), &scene.text).map_err(|error| not_written(&folder.scene(), &error))?;
-    Run { scene, folder, signals: signals.clone(), display, started }.begin()
+    folder.write_scene(&scene.text)?;
+    Run { scene, folder, signals: signals.clone(), display, started }.go(Start::Scene)
 }
 
 /// Prints what a run has given, and turns it into an exit code.
@@ -140,10 +133,6 @@ fn tell(summary: &Summary) -> ExitCode {
 pub(crate) fn listen() -> Result<Signals, Failure> {
     let signals = Signals::listen();
     signals.map_err(|error| Failure::on_the_way(format!("cannot listen to signals: {error}")))
-}
-
-fn not_written(path: &Path, error: &std::io::Error) -> Failure {
-    Failure::on_the_way(format!("cannot write `{}`: {error}", path.display()))
 }
 
 /// runs/ and the scene's name: that of its file, or of its folder if the file is a mere `scene.toml`.
@@ -185,41 +174,28 @@ impl Run {
         settling_time(&self.scene)
     }
 
-    fn begin(&self) -> Result<Summary, Failure> {
+    /// Goes from where the run stands to its end.
+    fn go(&self, start: Start) -> Result<Summary, Failure> {
         let mut settling = Stopwatch::default();
-        let mut simulation = settling.time(|| self.settle())?;
+        let mut simulation = match start {
+            Start::Scene => settling.time(|| self.settle(Settling::begin(&self.scene)?))?,
+            Start::Settling(checkpoint) => {
+                settling.time(|| self.settle(Settling::resume(&self.scene, &checkpoint)?))?
+            }
+            Start::Running(checkpoint) => Simulation::resume(&self.scene, &checkpoint)?,
+        };
         if matches!(self.display, Display::Alone) {
             eprintln!("{} particles", grouped(simulation.world.store.len() as u64));
         }
-        let mut recorder = Recorder::start(&self.scene, &self.folder, &simulation)?;
-        recorder.record(&simulation)?;
-        self.go_on(&mut simulation, &mut recorder, settling)
-    }
-
-    fn pick_up(&self, checkpoint: &checkpoint::Checkpoint) -> Result<Summary, Failure> {
-        let mut simulation = Simulation::resume(&self.scene, checkpoint)?;
-        let mut recorder = Recorder::resume(&self.scene, &self.folder, &simulation)?;
-        if simulation.world.clock.step == 0 {
+        let begins = simulation.world.clock.step == 0;
+        let open = if begins { Recorder::start } else { Recorder::resume };
+        let mut recorder = open(&self.scene, &self.folder, &simulation)?;
+        if begins {
             recorder.record(&simulation)?;
+            // What has settled need not settle again.
+            recorder.checkpoint(&simulation)?;
         }
-        self.go_on(&mut simulation, &mut recorder, Stopwatch::default())
-    }
-
-    fn settle(&self) -> Result<Simulation, Failure> {
-        let unit = Simulation::capillary_time(&self.scene);
-        let mut progress = self.progress(self.settling_time(), self.scene.until, "settling");
-        let (mut step, mut before) = (0, 0.0);
-        let simulation = Simulation::new(&self.scene, &mut |done, _| {
-            if self.signals.stop() {
-                // Nothing has been computed yet that a checkpoint could keep.
-                eprintln!("interrupted while the particles settled");
-                std::process::exit(i32::from(INTERRUPTED));
-            }
-            step += 1;
-            progress.update(step, done * unit, (done - before) * unit);
-            before = done;
-        });
-        Ok(simulation?)
+        self.go_on(&mut simulation, &mut recorder, settling)
     }
 
     /// Steps to the end, and says how it went.
@@ -239,11 +215,15 @@ impl Run {
         let failure = match &end {
             End::Done | End::Interrupted => {
                 recorder.checkpoint(simulation)?;
+                recorder.finish()?;
                 None
             }
             End::Failed(fault) => {
-                let kept = recorder.crash_checkpoint(simulation)?;
-                eprintln!("the run broke down: {fault}\nits last state lies in {kept}");
+                recorder.finish()?;
+                let kept = recorder.crash_checkpoint(simulation, fault)?;
+                eprintln!(
+                    "the run broke down: {fault}\nits last state lies in {kept}; `meniscus inspect` tells more"
+                );
                 Some(fault.to_string())
             }
         };
@@ -264,7 +244,7 @@ impl Run {
         cost: &mut Stopwatch,
     ) -> Result<End, Failure> {
         let mut progress = self.progress(self.scene.until, 0.0, "running");
-        while !is_over(&self.scene, &simulation.world.clock) {
+        while !is_over(&self.scene, simulation.world.clock.step, simulation.world.clock.time) {
             if self.signals.stop() {
                 return Ok(End::Interrupted);
             }
@@ -275,6 +255,7 @@ impl Run {
             let clock = &simulation.world.clock;
             if self.signals.take_checkpoint() {
                 recorder.checkpoint(simulation)?;
+                recorder.finish()?;
                 let time = quantity(clock.time, "s", 4);
                 progress.message(&format!("checkpoint written at t = {time}"));
             }
@@ -294,7 +275,8 @@ pub(crate) fn settling_time(scene: &Scene) -> f64 {
     }
 }
 
-/// Whether the scene's end is reached. The last step isn't cut: outputs never change the motion.
-fn is_over(scene: &Scene, clock: &Clock) -> bool {
-    clock.time >= scene.until || scene.steps.is_some_and(|steps| clock.step >= steps)
+/// Whether the scene's end is reached, after a number of steps and at a time in s. The last step isn't
+/// cut: outputs never change the motion.
+fn is_over(scene: &Scene, step: u64, time: f64) -> bool {
+    time >= scene.until || scene.steps.is_some_and(|steps| step >= steps)
 }

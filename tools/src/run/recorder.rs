@@ -6,7 +6,9 @@ use meniscus_cases::measure::{History, Observer, Quantity};
 use meniscus_cases::scene::Scene;
 use meniscus_cases::simulation::Simulation;
 use meniscus_engine::checkpoint;
+use meniscus_engine::pipeline::Fault;
 
+use super::checkpoints::Checkpoints;
 use super::frames::Frames;
 use super::stopwatch::Stopwatch;
 use crate::failure::Failure;
@@ -20,14 +22,13 @@ pub(super) struct Recorder<'a> {
     observer: Observer,
     series: Option<SeriesWriter>,
     frames: Frames,
+    checkpoints: Checkpoints,
     /// The observations so far.
     pub(super) history: History,
     /// What all this has cost.
     pub(super) cost: Stopwatch,
 }
 
-/// Checkpoints that are kept.
-const KEPT: usize = 3;
 /// Steps between two observations where the scene wants no series: its measures still need them.
 const OBSERVED: u64 = 10;
 
@@ -50,6 +51,7 @@ impl<'a> Recorder<'a> {
             observer,
             series: series.transpose()?,
             frames: Frames::new(folder),
+            checkpoints: Checkpoints::of(folder),
             history: History::new(quantities),
             cost: Stopwatch::default(),
         })
@@ -64,6 +66,9 @@ impl<'a> Recorder<'a> {
         let (path, clock) = (folder.series(), &simulation.world.clock);
         let mut history = History::new(Observer::new(scene, simulation).quantities());
         let goes_on = scene.output.series_every > 0 && path.exists();
+        if scene.output.series_every == 0 {
+            eprintln!("this scene keeps no series: what is measured begins at step {}", clock.step);
+        }
         if goes_on {
             read_history(&path, clock.step, &mut history)?;
         }
@@ -77,6 +82,7 @@ impl<'a> Recorder<'a> {
                 observer: Observer::new(scene, simulation),
                 series,
                 frames: Frames::new(folder),
+                checkpoints: Checkpoints::of(folder),
                 history,
                 cost: Stopwatch::default(),
             },
@@ -108,26 +114,29 @@ impl<'a> Recorder<'a> {
         }
         self.frames.look(self.scene, simulation)?;
         let every = self.scene.output.checkpoint_every;
-        if every > 0 && step > 0 && step.is_multiple_of(every) {
+        let due = every > 0 && step > 0 && step.is_multiple_of(every);
+        if due || self.checkpoints.are_overdue() {
             self.checkpoint(simulation)?;
         }
         Ok(())
     }
 
-    /// Writes a checkpoint, and removes the oldest ones.
-    pub(super) fn checkpoint(&self, simulation: &Simulation) -> Result<(), Failure> {
-        let folder = self.folder.checkpoints();
-        let name = checkpoint::file_name(simulation.world.clock.step);
-        checkpoint::write(&folder.join(name), &simulation.checkpoint(self.scene))?;
-        checkpoint::keep_last(&folder, KEPT)?;
-        Ok(())
+    /// Begins to write a checkpoint, and then removes the oldest ones.
+    pub(super) fn checkpoint(&mut self, simulation: &Simulation) -> Result<(), Failure> {
+        let series = self.series.as_ref().map(SeriesWriter::file).transpose()?;
+        self.checkpoints.write(simulation.checkpoint(self.scene), series)
+    }
+
+    /// Waits until the last checkpoint lies on the disk.
+    pub(super) fn finish(&mut self) -> Result<(), Failure> {
+        self.checkpoints.finish()
     }
 
     /// Writes the state in which a run broke down, under a name that no resumed run takes up.
-    pub(super) fn crash_checkpoint(&self, simulation: &Simulation) -> Result<String, Failure> {
+    pub(super) fn crash_checkpoint(&self, simulation: &Simulation, fault: &Fault) -> Result<String, Failure> {
         let name = checkpoint::file_name(simulation.world.clock.step);
         let path = self.folder.checkpoints().join(format!("crash-{name}"));
-        checkpoint::write(&path, &simulation.checkpoint(self.scene))?;
+        checkpoint::write(&path, &simulation.crash_checkpoint(self.scene, fault))?;
         Ok(path.display().to_string())
     }
 }

@@ -49,7 +49,7 @@ pub(super) fn report(
         threads: rayon::current_num_threads(),
         ns_per_particle_step: costs.steps.wall * 1e9 / particle_steps,
         core_ns_per_particle_step: costs.steps.cpu * 1e9 / particle_steps,
-        step_bounds: clock.bounds_met().iter().map(|&(reason, steps)| (reason.to_owned(), steps)).collect(),
+        step_bounds: clock.bounds_met().iter().map(|(reason, steps)| (reason.to_string(), *steps)).collect(),
         stages: stages(simulation, recorder, costs, wall_seconds),
         measures: outcomes.iter().map(measure).collect(),
         conservation: Conservation { momentum_z, energy, mass },

@@ -1,6 +1,7 @@
 mod bodies;
 mod errors;
 mod expressions;
+mod properties;
 mod reading;
 mod settings;
 

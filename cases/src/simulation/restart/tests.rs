@@ -1,3 +1,4 @@
+use super::super::Settling;
 use super::*;
 use crate::scene::parse;
 
@@ -63,7 +64,7 @@ fn an_interruption_leaves_no_trace() {
     for set in [&[][..], &["paper=true"], &["method.shifting=0.5"]] {
         let scene = scene(set);
         let whole = with_threads(1, || run(start(&scene), 250).checkpoint(&scene));
-        for cut in [1, 97, 143] {
+        for cut in [0, 1, 97, 143] {
             let half = with_threads(1, || run(start(&scene), cut).checkpoint(&scene));
             let rest = with_threads(2, || {
                 let resumed = Simulation::resume(&scene, &half).unwrap();
@@ -84,11 +85,25 @@ fn a_checkpoint_comes_back_as_it_was() {
 }
 
 #[test]
-fn a_run_can_be_resumed_before_its_first_step() {
+fn settling_can_be_interrupted() {
     let scene = scene(&[]);
-    let checkpoint = start(&scene).checkpoint(&scene);
-    let resumed = Simulation::resume(&scene, &checkpoint).unwrap();
-    assert_eq!(run(resumed, 5).world.clock.step, 5);
+    let whole = with_threads(1, || run(start(&scene), 20).checkpoint(&scene));
+    let mut settling = Settling::begin(&scene).unwrap();
+    for _ in 0..17 {
+        settling.step().unwrap();
+    }
+    let half = settling.checkpoint(&scene).unwrap();
+    assert!(Settling::wrote(&half) && !Settling::wrote(&whole));
+    assert!(Simulation::resume(&scene, &half).is_err(), "settling particles are no run");
+    let rest = with_threads(2, || {
+        let mut settling = Settling::resume(&scene, &half).unwrap();
+        assert_eq!(settling.steps(), 17);
+        while !settling.is_over() {
+            settling.step().unwrap();
+        }
+        run(settling.finish(&scene).unwrap(), 20).checkpoint(&scene)
+    });
+    assert_same(&whole, &rest);
 }
 
 #[test]

@@ -1,18 +1,20 @@
 //! `meniscus inspect diff`: where two checkpoints part.
 
 use std::io::{self, Write};
-use std::path::{Path, PathBuf};
-
-use meniscus_engine::checkpoint::Mapped;
+use std::path::PathBuf;
 
 use super::compare::{Difference, compare};
 use super::failure::{Failure, Verdict};
-use super::newest;
+use super::open::open;
 use super::print::{self, number};
 
 /// What to compare, and how strictly.
 #[derive(clap::Args, Debug)]
 #[command(after_help = "\
+Examples:
+  meniscus inspect diff one.meniscus other.meniscus
+  meniscus inspect diff runs/a runs/b --tolerance 1e-9 && echo same
+
 Particles are matched by the field `identity` where both files have it and no identity twice,
 otherwise by their order. Step, time and further numbers of the clock count as well; scene and
 revision are only mentioned.")]
@@ -54,12 +56,6 @@ pub fn run(arguments: &Arguments, output: &mut dyn Write) -> Result<Verdict, Fai
         true => Verdict::Good,
         false => Verdict::Bad,
     })
-}
-
-fn open(path: &Path) -> Result<Mapped, Failure> {
-    let mapped = Mapped::open(&newest(path)?)?;
-    mapped.verify()?;
-    Ok(mapped)
 }
 
 fn text(difference: &Difference, output: &mut dyn Write) -> io::Result<()> {

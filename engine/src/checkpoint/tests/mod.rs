@@ -9,6 +9,10 @@ use super::contents::Contents;
 use super::header::{HEADER_LENGTH, Header, Section};
 use super::*;
 
+mod damage;
+mod folders;
+mod properties;
+
 const GOLDEN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests-data/checkpoint-v1.meniscus");
 
 fn column(name: &str, symbol: &str, unit: &str, role: Role, data: Data) -> Column {
@@ -113,83 +117,6 @@ fn a_mapped_file_shows_the_same() {
 }
 
 #[test]
-fn every_flipped_bit_is_noticed() {
-    let (_folder, path, _) = written(500);
-    let mut bytes = aligned(&path);
-    check(&bytes).unwrap();
-    let header = 0..8 * HEADER_LENGTH;
-    let payload = 8 * (bytes.len() - HEADER_LENGTH) as u64;
-    let mut state = 1_u64;
-    let random = std::iter::repeat_with(|| {
-        state = state.wrapping_mul(6364136223846793005).wrapping_add(1);
-        8 * HEADER_LENGTH + ((state >> 32) % payload) as usize
-    });
-    let last = 8 * bytes.len() - 1;
-    for bit in header.chain(random.take(5000)).chain([last]) {
-        bytes[bit / 8] ^= 1 << (bit % 8);
-        assert!(check(&bytes).is_err(), "bit {bit} went unnoticed");
-        bytes[bit / 8] ^= 1 << (bit % 8);
-    }
-    check(&bytes).unwrap();
-}
-
-#[test]
-fn damage_in_a_file_is_noticed_by_both_readers() {
-    let (_folder, path, _) = written(500);
-    let whole = fs::read(&path).unwrap();
-    let verify = |path: &Path| Mapped::open(path).and_then(|mapped| mapped.verify());
-    for place in [0, 9, 70, 4095, 4100, 8191, 8192, 9000, whole.len() - 1] {
-        let mut bytes = whole.clone();
-        bytes[place] ^= 16;
-        fs::write(&path, &bytes).unwrap();
-        assert!(read(&path).unwrap_err().is_damage());
-        assert!(verify(&path).unwrap_err().is_damage());
-    }
-    for length in [0, 1, 4095, 4096, 4097, 8192, whole.len() - 1] {
-        fs::write(&path, &whole[..length]).unwrap();
-        assert!(read(&path).unwrap_err().is_damage());
-        assert!(verify(&path).unwrap_err().is_damage());
-    }
-    fs::write(&path, [&whole[..], &[0]].concat()).unwrap();
-    assert!(matches!(read(&path), Err(CheckpointError::Length { .. })));
-}
-
-#[test]
-fn every_truncation_is_noticed() {
-    let (_folder, path, _) = written(500);
-    let bytes = aligned(&path);
-    for length in 0..bytes.len() {
-        assert!(check(&bytes[..length]).is_err(), "{length} bytes passed");
-    }
-}
-
-#[test]
-fn a_forged_header_is_refused_without_allocating() {
-    let (_folder, path, _) = written(5);
-    let original = fs::read(&path).unwrap();
-    for length in [1 << 40, 1 << 62, u64::MAX - 5000, u64::MAX] {
-        let section = Section { length, checksum: 0 };
-        for (preface, columns) in [(section, Section::default()), (section, section)] {
-            let header = Header { preface, columns, ..Header::default() };
-            let forged = [&header.encode(), &original[HEADER_LENGTH..]].concat();
-            fs::write(&path, forged).unwrap();
-            assert!(matches!(read(&path), Err(CheckpointError::Length { .. })));
-        }
-    }
-}
-
-#[test]
-fn a_header_that_contradicts_the_clock_is_refused() {
-    let (_folder, path, _) = written(5);
-    let bytes = fs::read(&path).unwrap();
-    let mut header = Header::decode(&path, &bytes, bytes.len() as u64).unwrap();
-    header.step += 1;
-    fs::write(&path, [&header.encode(), &bytes[HEADER_LENGTH..]].concat()).unwrap();
-    let error = read(&path).unwrap_err().to_string();
-    assert!(error.contains("disagree about the step"), "{error}");
-}
-
-#[test]
 fn a_table_that_is_none_is_not_written() {
     let (_folder, path, mut checkpoint) = written(5);
     let before = fs::read(&path).unwrap();
@@ -200,58 +127,6 @@ fn a_table_that_is_none_is_not_written() {
     let error = write(&path, &checkpoint).unwrap_err().to_string();
     assert!(error.contains("two columns named `radius`"), "{error}");
     assert_eq!(fs::read(&path).unwrap(), before);
-}
-
-#[test]
-fn the_newest_whole_file_is_found() {
-    let folder = tempfile::tempdir().unwrap();
-    let error = newest_valid(folder.path()).unwrap_err();
-    assert!(!error.is_damage(), "{error}");
-    let mut checkpoint = sample(5);
-    for step in [7, 80, 900, 12_345_678_901] {
-        checkpoint.clock.step = step;
-        write(&folder.path().join(file_name(step)), &checkpoint).unwrap();
-    }
-    fs::write(folder.path().join("step-+99.meniscus"), "no checkpoint").unwrap();
-    let newest = folder.path().join(file_name(12_345_678_901));
-    fs::write(&newest, "cut off").unwrap();
-    let (path, found, skipped) = newest_valid(folder.path()).unwrap();
-    assert_eq!(path, folder.path().join("step-000000900.meniscus"));
-    assert_eq!(found.clock.step, 900);
-    assert_eq!(skipped.len(), 1);
-    assert_eq!(skipped[0].0, newest);
-    for step in [7, 80, 900] {
-        fs::write(folder.path().join(file_name(step)), "cut off").unwrap();
-    }
-    let error = newest_valid(folder.path()).unwrap_err();
-    assert!(error.is_damage(), "{error}");
-}
-
-#[test]
-fn only_the_last_files_are_kept() {
-    let folder = tempfile::tempdir().unwrap();
-    for step in 0..5 {
-        write(&folder.path().join(file_name(step)), &sample(2)).unwrap();
-    }
-    fs::write(folder.path().join(".xyz.unfinished"), "half").unwrap();
-    fs::write(folder.path().join("notes.txt"), "mine").unwrap();
-    keep_last(folder.path(), 2).unwrap();
-    let steps = |found: Vec<(u64, PathBuf)>| found.into_iter().map(|(step, _)| step).collect();
-    let left: Vec<u64> = steps(list(folder.path()).unwrap());
-    assert_eq!(left, [3, 4]);
-    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 3);
-    keep_last(folder.path(), 0).unwrap();
-    let left: Vec<u64> = steps(list(folder.path()).unwrap());
-    assert_eq!(left, [4], "a run can always continue");
-}
-
-#[test]
-fn a_missing_file_is_no_damage() {
-    let folder = tempfile::tempdir().unwrap();
-    for path in [folder.path().join("missing"), folder.path().to_path_buf()] {
-        assert!(!read(&path).unwrap_err().is_damage());
-    }
-    assert!(write(&folder.path().join("missing/file"), &sample(1)).is_err());
 }
 
 /// Files of released formats stay readable, and the same content gives the same bytes.

@@ -1,0 +1,77 @@
+//! The checkpoints of one run beside each other.
+
+use super::*;
+
+/// Damaged files must not push out whole ones.
+#[test]
+fn a_file_that_is_set_aside_counts_no_longer() {
+    let folder = tempfile::tempdir().unwrap();
+    for step in [60, 120, 180, 240] {
+        write(&folder.path().join(file_name(step)), &sample(5)).unwrap();
+    }
+    for step in [120, 180, 240] {
+        fs::write(folder.path().join(file_name(step)), "cut off").unwrap();
+    }
+    let (path, _, skipped) = newest_valid(folder.path()).unwrap();
+    for (damaged, _) in &skipped {
+        let aside = set_aside(damaged).unwrap();
+        assert!(aside.to_str().unwrap().ends_with(".meniscus.damaged"));
+    }
+    write(&folder.path().join(file_name(70)), &sample(5)).unwrap();
+    keep_last(folder.path(), 3).unwrap();
+    assert!(path.exists());
+    assert_eq!(list(folder.path()).unwrap().len(), 2);
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 5, "nothing is lost");
+}
+
+#[test]
+fn the_newest_whole_file_is_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let error = newest_valid(folder.path()).unwrap_err();
+    assert!(!error.is_damage(), "{error}");
+    let mut checkpoint = sample(5);
+    for step in [7, 80, 900, 12_345_678_901] {
+        checkpoint.clock.step = step;
+        write(&folder.path().join(file_name(step)), &checkpoint).unwrap();
+    }
+    fs::write(folder.path().join("step-+99.meniscus"), "no checkpoint").unwrap();
+    let newest = folder.path().join(file_name(12_345_678_901));
+    fs::write(&newest, "cut off").unwrap();
+    let (path, found, skipped) = newest_valid(folder.path()).unwrap();
+    assert_eq!(path, folder.path().join("step-000000900.meniscus"));
+    assert_eq!(found.clock.step, 900);
+    assert_eq!(skipped.len(), 1);
+    assert_eq!(skipped[0].0, newest);
+    for step in [7, 80, 900] {
+        fs::write(folder.path().join(file_name(step)), "cut off").unwrap();
+    }
+    let error = newest_valid(folder.path()).unwrap_err();
+    assert!(error.is_damage(), "{error}");
+}
+
+#[test]
+fn only_the_last_files_are_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    for step in 0..5 {
+        write(&folder.path().join(file_name(step)), &sample(2)).unwrap();
+    }
+    fs::write(folder.path().join(".xyz.unfinished"), "half").unwrap();
+    fs::write(folder.path().join("notes.txt"), "mine").unwrap();
+    keep_last(folder.path(), 2).unwrap();
+    let steps = |found: Vec<(u64, PathBuf)>| found.into_iter().map(|(step, _)| step).collect();
+    let left: Vec<u64> = steps(list(folder.path()).unwrap());
+    assert_eq!(left, [3, 4]);
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 3);
+    keep_last(folder.path(), 0).unwrap();
+    let left: Vec<u64> = steps(list(folder.path()).unwrap());
+    assert_eq!(left, [4], "a run can always continue");
+}
+
+#[test]
+fn a_missing_file_is_no_damage() {
+    let folder = tempfile::tempdir().unwrap();
+    for path in [folder.path().join("missing"), folder.path().to_path_buf()] {
+        assert!(!read(&path).unwrap_err().is_damage());
+    }
+    assert!(write(&folder.path().join("missing/file"), &sample(1)).is_err());
+}

@@ -1,0 +1,192 @@
+//! `meniscus inspect fields`: numbers that sum up every field.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use meniscus_engine::checkpoint::{ColumnView, Mapped, Role};
+use serde::Serialize;
+
+use super::columns::column;
+use super::failure::{Failure, Verdict, known};
+use super::open::newest;
+use super::print::{self, number};
+use super::statistics::{Gathering, Histogram, Statistics};
+
+/// Which fields, and how to show them.
+#[derive(clap::Args, Debug)]
+#[command(after_help = "\
+Examples:
+  meniscus inspect fields runs/drop                    one line for each field
+  meniscus inspect fields runs/drop density pressure   with histograms and the places of the extremes
+  meniscus inspect fields runs/drop --csv")]
+pub struct Arguments {
+    /// A checkpoint, or the folder of a run: then its newest checkpoint
+    checkpoint: PathBuf,
+    /// Fields to show, each with a histogram [default: all, without]
+    fields: Vec<String>,
+    /// Print JSON
+    #[arg(long, conflicts_with = "csv")]
+    json: bool,
+    /// Print comma-separated values
+    #[arg(long)]
+    csv: bool,
+}
+
+/// What is told about one field. The names of the entries are those of the JSON output.
+#[derive(Debug, Serialize)]
+struct Field {
+    name: String,
+    symbol: String,
+    unit: String,
+    about: String,
+    role: &'static str,
+    #[serde(flatten)]
+    statistics: Statistics,
+    minimum_at: Option<Spot>,
+    maximum_at: Option<Spot>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    histogram: Option<Histogram>,
+}
+
+/// Where an extreme is.
+#[derive(Clone, Copy, Debug, Serialize)]
+struct Spot {
+    /// The particle's identity, or its index where there are none.
+    particle: u64,
+    /// m
+    r: Option<f64>,
+    /// m
+    z: Option<f64>,
+}
+
+/// Prints statistics of the chosen fields.
+pub fn run(arguments: &Arguments, output: &mut dyn Write) -> Result<Verdict, Failure> {
+    let mapped = Mapped::open(&newest(&arguments.checkpoint)?)?;
+    mapped.verify()?;
+    let columns = mapped.columns()?;
+    let chosen = choose(&columns, &arguments.fields)?;
+    let with_histogram = !arguments.fields.is_empty();
+    let fields = chosen.iter().map(|column| field(&mapped, &columns, column, with_histogram));
+    let fields = fields.collect::<Result<Vec<_>, _>>()?;
+    if arguments.json {
+        print::json(&fields, output)?;
+    } else if arguments.csv {
+        print::records(records(&fields), output)?;
+    } else {
+        text(&fields, output)?;
+    }
+    Ok(Verdict::Good)
+}
+
+/// The columns of these names, or all where no name is given.
+fn choose<'a>(columns: &[ColumnView<'a>], names: &[String]) -> Result<Vec<ColumnView<'a>>, Failure> {
+    if names.is_empty() {
+        return Ok(columns.to_vec());
+    }
+    let chosen = names.iter().map(|name| {
+        column(columns, name)
+            .ok_or_else(|| Failure::UnknownField { name: name.clone(), known: known(columns) })
+    });
+    chosen.collect()
+}
+
+fn field(
+    mapped: &Mapped,
+    columns: &[ColumnView<'_>],
+    of: &ColumnView<'_>,
+    with_histogram: bool,
+) -> Result<Field, Failure> {
+    let mut gathering = Gathering::default();
+    mapped.stream(of, |values| gathering.add(values))?;
+    let statistics = gathering.statistics();
+    let histogram = match with_histogram {
+        false => None,
+        true => {
+            let mut histogram = Histogram::between(&statistics);
+            mapped.stream(of, |values| histogram.add(values))?;
+            Some(histogram)
+        }
+    };
+    let spot = |particle: usize| {
+        let value = |name| column(columns, name).and_then(|column| column.value(particle));
+        let identity = value("identity").map_or(particle as u64, |identity| identity as u64);
+        Spot { particle: identity, r: value("radius"), z: value("axial") }
+    };
+    let places = gathering.places();
+    Ok(Field {
+        name: of.name().to_owned(),
+        symbol: of.symbol().to_owned(),
+        unit: of.unit().to_owned(),
+        about: of.about().to_owned(),
+        role: role(of.role()),
+        statistics,
+        minimum_at: places.map(|[least, _]| spot(least)),
+        maximum_at: places.map(|[_, greatest]| spot(greatest)),
+        histogram,
+    })
+}
+
+/// A role as people read it.
+pub fn role(role: Role) -> &'static str {
+    match role {
+        Role::State => "state",
+        Role::Derived => "derived",
+    }
+}
+
+fn records(fields: &[Field]) -> Vec<Vec<String>> {
+    let head = [
+        "name",
+        "symbol",
+        "unit",
+        "role",
+        "minimum",
+        "maximum",
+        "mean",
+        "standard_deviation",
+        "non_finite",
+        "minimum_particle",
+        "maximum_particle",
+    ];
+    let optional = |value: Option<f64>| value.map_or(String::new(), |value| format!("{value:?}"));
+    let place = |spot: Option<Spot>| spot.map_or(String::new(), |spot| spot.particle.to_string());
+    let row = |field: &Field| {
+        let of = &field.statistics;
+        let names = [&field.name, &field.symbol, &field.unit].map(String::clone);
+        let mut row = names.to_vec();
+        row.push(field.role.to_owned());
+        row.extend([of.minimum, of.maximum, of.mean, of.standard_deviation].map(optional));
+        row.push(of.non_finite.to_string());
+        row.extend([field.minimum_at, field.maximum_at].map(place));
+        row
+    };
+    std::iter::once(head.map(str::to_owned).to_vec()).chain(fields.iter().map(row)).collect()
+}
+
+fn text(fields: &[Field], output: &mut dyn Write) -> Result<(), Failure> {
+    let optional = |value: Option<f64>| value.map_or("-".to_owned(), number);
+    let rows = fields.iter().map(|field| {
+        let of = &field.statistics;
+        let names = [&field.name, &field.symbol, &field.unit].map(String::clone);
+        let mut row = names.to_vec();
+        row.extend([of.minimum, of.maximum, of.mean, of.standard_deviation].map(optional));
+        row.push(of.non_finite.to_string());
+        row
+    });
+    let head = ["field", "symbol", "unit", "minimum", "maximum", "mean", "deviation", "non-finite"];
+    writeln!(output, "{}", print::table(&head, rows))?;
+    for field in fields {
+        let Some(histogram) = &field.histogram else {
+            continue;
+        };
+        writeln!(output, "\n{}: {}", field.name, field.about)?;
+        for (what, spot) in [("minimum", field.minimum_at), ("maximum", field.maximum_at)] {
+            if let Some(Spot { particle, r, z }) = spot {
+                let place = format!("r = {} m, z = {} m", optional(r), optional(z));
+                writeln!(output, "{what} at particle {particle}, {place}")?;
+            }
+        }
+        print::histogram(histogram, output)?;
+    }
+    Ok(())
+}

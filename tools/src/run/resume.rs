@@ -1,0 +1,119 @@
+//! `meniscus resume`: where an interrupted run goes on.
+
+use std::fs;
+use std::process::ExitCode;
+
+use meniscus_cases::scene::{self, Scene};
+use meniscus_cases::simulation::Settling;
+use meniscus_engine::checkpoint::{self, Checkpoint, newest_valid, set_aside};
+
+use super::stopwatch::Moment;
+use super::{Display, Run, Start, columns, is_over, listen, tell};
+use crate::command::{ResumeArguments, pool};
+use crate::failure::Failure;
+use crate::output::folder::RunFolder;
+use crate::output::summary::{Status, Summary};
+
+/// Continues a run.
+pub(crate) fn resume(arguments: &ResumeArguments) -> Result<ExitCode, Failure> {
+    let started = Moment::now();
+    let signals = listen()?;
+    let folder = RunFolder::open(&arguments.folder);
+    let folder = folder.map_err(|error| Failure::input(error.to_string()))?;
+    let Found { name, text, start } = find(&folder)?;
+    let scene = scene::parse(&name, &text, &arguments.extent.settings())?;
+    columns::check_colour(&scene)?;
+    if let Some(summary) = finished(&folder, &scene, &start) {
+        eprintln!("the run in {} has reached its end; its results stay", folder.path().display());
+        return Ok(tell(&summary));
+    }
+    let pool = pool(arguments.extent.threads)?;
+    folder.write_scene(&scene.text)?;
+    let display = Display::alone(arguments.extent.quiet);
+    let run = Run { scene, folder, signals, display, started };
+    eprintln!("continues from {name}");
+    pool.install(|| run.go(start)).map(|summary| tell(&summary))
+}
+
+/// From where a run goes on, and its scene.
+struct Found {
+    name: String,
+    text: String,
+    start: Start,
+}
+
+/// The newest whole checkpoint of a run, or of its settling; else its scene.
+fn find(folder: &RunFolder) -> Result<Found, Failure> {
+    let refuse = |error: checkpoint::CheckpointError| Failure::input(error.to_string());
+    let checkpoints = folder.checkpoints();
+    if !checkpoint::list(&checkpoints).map_err(refuse)?.is_empty() {
+        let (path, checkpoint, skipped) = newest_valid(&checkpoints).map_err(refuse)?;
+        for (damaged, error) in skipped {
+            let aside = set_aside(&damaged).map_err(refuse)?;
+            eprintln!("passed over: {error}\nit is now called {}", aside.display());
+        }
+        return Found::of(folder, path.display().to_string(), checkpoint, Start::Running);
+    }
+    let settling = folder.settling();
+    match checkpoint::read(&settling) {
+        Ok(checkpoint) if Settling::wrote(&checkpoint) => {
+            return Found::of(folder, settling.display().to_string(), checkpoint, Start::Settling);
+        }
+        Err(error) if settling.exists() && !error.is_damage() => return Err(refuse(error)),
+        Err(error) if settling.exists() => eprintln!("passed over: {error}"),
+        _ => {}
+    }
+    // Interrupted before its first checkpoint: nothing is lost but the time since its start.
+    let path = folder.scene();
+    let text = fs::read_to_string(&path).map_err(|error| {
+        let folder = folder.path().display();
+        Failure::input(format!(
+            "`{folder}` holds no checkpoint, and its scene `{}` cannot be read ({error}); start the run anew",
+            path.display()
+        ))
+    })?;
+    Ok(Found { name: path.display().to_string(), text, start: Start::Scene })
+}
+
+impl Found {
+    fn of(
+        folder: &RunFolder,
+        name: String,
+        checkpoint: Checkpoint,
+        start: fn(Box<Checkpoint>) -> Start,
+    ) -> Result<Self, Failure> {
+        let path = folder.scene();
+        if fs::read_to_string(&path).is_ok_and(|text| !same_scene(&text, &checkpoint.scene)) {
+            return Err(Failure::input(format!(
+                "{name}: the checkpoint is of another scene than `{}`; a run goes on with the scene it began \
+                 with: remove the one of both that does not belong here (a checkpoint holds its scene)",
+                path.display()
+            )));
+        }
+        let text = checkpoint.scene.clone();
+        Ok(Found { name, text, start: start(Box::new(checkpoint)) })
+    }
+}
+
+/// Whether two texts describe the same scene; how far it runs may differ.
+fn same_scene(one: &str, other: &str) -> bool {
+    let essence = |text: &str| {
+        let mut table: toml::Table = text.parse().ok()?;
+        if let Some(run) = table.get_mut("run").and_then(toml::Value::as_table_mut) {
+            run.retain(|key, _| key != "until" && key != "steps");
+        }
+        Some(table)
+    };
+    matches!((essence(one), essence(other)), (Some(one), Some(other)) if one == other)
+}
+
+/// The results of a run that has nothing left to do.
+fn finished(folder: &RunFolder, scene: &Scene, start: &Start) -> Option<Summary> {
+    let Start::Running(checkpoint) = start else {
+        return None;
+    };
+    let clock = &checkpoint.clock;
+    let summary = Summary::read(&folder.summary()).ok()?;
+    let same = summary.status == Some(Status::Done) && summary.steps == clock.step;
+    (same && is_over(scene, clock.step, clock.time)).then_some(summary)
+}

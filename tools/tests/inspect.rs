@@ -1,0 +1,228 @@
+//! What `meniscus inspect` tells of checkpoints that runs have written.
+
+use std::fs;
+use std::path::PathBuf;
+use std::process::{Command, Output, Stdio};
+use std::sync::OnceLock;
+
+/// Two drops of 1 um and 0.5 um, the smaller one above, moving apart.
+const DROPS: &str = r#"format = 1
+title = "Two drops"
+[liquid]
+density = "1000 kg/m3"
+surface_tension = "0.074 N/m"
+[[body]]
+shape = { sphere = { radius = "1 um" } }
+[[body]]
+shape = { sphere = { radius = "0.5 um", centre = "3 um" } }
+velocity = { z = "2 m/s" }
+[particles]
+size = "100 nm"
+settle = 0.1
+[run]
+until = "1 us"
+steps = 20
+[output]
+frames = 0
+"#;
+
+/// The folder of a run of the two drops, made once for all tests.
+fn run() -> &'static PathBuf {
+    static RUN: OnceLock<(tempfile::TempDir, PathBuf)> = OnceLock::new();
+    let (_, run) = RUN.get_or_init(|| {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("drops.toml"), DROPS).unwrap();
+        let run = folder.path().join("run");
+        let scene = folder.path().join("drops.toml");
+        let [scene, out] = [&scene, &run].map(|path| path.to_str().unwrap());
+        let output = meniscus(&["run", scene, "--out", out, "--quiet", "--threads", "1"]);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        (folder, run)
+    });
+    run
+}
+
+fn meniscus(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_meniscus")).args(arguments).output().unwrap()
+}
+
+fn said(arguments: &[&str]) -> String {
+    let output = meniscus(&[&["inspect"], arguments].concat());
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{arguments:?}: {error}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+fn json(arguments: &[&str]) -> serde_json::Value {
+    serde_json::from_str(&said(&[arguments, &["--json"]].concat())).unwrap()
+}
+
+#[test]
+fn a_diagnosis_finds_both_drops() {
+    let run = run().to_str().unwrap();
+    let diagnosis = json(&["diagnose", run]);
+    let drops = diagnosis["drops"].as_array().unwrap();
+    assert_eq!(drops.len(), 2);
+    for (drop, (radius, velocity, centre)) in drops.iter().zip([(1e-6, 0.0, 0.0), (0.5e-6, 2.0, 3e-6)]) {
+        let number = |name: &str| drop[name].as_f64().unwrap();
+        assert!((number("radius") / radius - 1.0).abs() < 1e-3, "{drop}");
+        assert!((number("mass") / number("volume") - 1000.0).abs() < 5.0, "{drop}");
+        assert!((number("velocity_z") - velocity).abs() < 0.02, "{drop}");
+        assert!((number("centre_z") - centre).abs() < 0.05e-6, "{drop}");
+    }
+    let particles: i64 = drops.iter().map(|drop| drop["particles"].as_i64().unwrap()).sum();
+    let neighbours = diagnosis["neighbours"].as_object().unwrap();
+    assert_eq!(neighbours.values().map(|count| count.as_i64().unwrap()).sum::<i64>(), particles);
+    let surface = diagnosis["surface_particles"].as_i64().unwrap();
+    assert!(surface > 20 && surface < particles / 2, "{surface}");
+    assert_eq!(diagnosis["beyond_axis"], 0);
+    let nearest = diagnosis["nearest_distance"]["mean"].as_f64().unwrap();
+    assert!((0.8..1.1).contains(&nearest), "{nearest}");
+    let reasons: Vec<&str> = diagnosis["bounds"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|bound| bound["reason"].as_str().unwrap())
+        .collect();
+    assert!(reasons.contains(&"acoustic") && reasons.contains(&"surface tension"), "{reasons:?}");
+    let totals = diagnosis["totals"].as_array().unwrap();
+    let total = |name: &str| totals.iter().find(|total| total["name"] == name).unwrap()["value"].as_f64();
+    let volume = 4.0 / 3.0 * std::f64::consts::PI * (1e-18 + 0.125e-18);
+    assert!((total("mass").unwrap() / (1000.0 * volume) - 1.0).abs() < 1e-3);
+    assert!(total("kinetic energy").unwrap() > 0.0);
+    assert!(diagnosis["missing"][0].as_str().unwrap().contains("surface energy"));
+    let text = said(&["diagnose", run]);
+    assert!(text.contains("2 drops") && text.contains("neighbours") && text.contains("time step"), "{text}");
+}
+
+#[test]
+fn the_summary_names_the_stages() {
+    let summary = json(&[run().to_str().unwrap()]);
+    assert_eq!(summary["title"], "Two drops");
+    let stages = summary["stages"].as_array().unwrap();
+    assert!(stages.iter().any(|stage| stage == "integrate"), "{stages:?}");
+    assert_eq!(summary["scalars"]["steps bound by acoustic"], 20.0);
+}
+
+#[test]
+fn pressures_are_whole() {
+    let run = run().to_str().unwrap();
+    let top = json(&["top", run, "pressure", "--count", "1"]);
+    // Twice the tension over the smaller radius, and some for the motion.
+    let pressure = top["particles"][0]["pressure"].as_f64().unwrap();
+    assert!((2.5e5..5e5).contains(&pressure), "{pressure}");
+    let near = json(&["where", run, "r < 2*size and z > 2 um", "--count", "1000"]);
+    assert!(near["particles"].as_array().unwrap().len() > 5);
+}
+
+#[test]
+fn pictures_show_one_side_or_both() {
+    let folder = tempfile::tempdir().unwrap();
+    let width = |side: &str| {
+        let path = folder.path().join(format!("{side}.png"));
+        let name = path.to_str().unwrap();
+        said(&["render", run().to_str().unwrap(), "speed", name, "--side", side]);
+        let bytes = fs::read(path).unwrap();
+        assert!(bytes.starts_with(b"\x89PNG"));
+        bytes.len()
+    };
+    assert_ne!(width("one"), width("both"));
+}
+
+#[test]
+fn a_reader_that_goes_is_no_error() {
+    for arguments in [&["fields"][..], &["diagnose"], &["where"], &["verify"]] {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_meniscus"));
+        command.arg("inspect").args(arguments).arg(run());
+        if arguments == ["where"] {
+            command.args(["r > 0", "--count", "100000"]);
+        }
+        let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        drop(child.stdout.take());
+        let output = child.wait_with_output().unwrap();
+        assert!(output.status.success() && output.stderr.is_empty(), "{arguments:?} {output:?}");
+    }
+}
+
+#[test]
+fn a_crash_is_explained() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("drop.toml");
+    fs::write(&scene, DROPS).unwrap();
+    let out = folder.path().join("run");
+    let [scene, out] = [&scene, &out].map(|path| path.to_str().unwrap());
+    let broken = meniscus(&[
+        "run",
+        scene,
+        "--out",
+        out,
+        "--set",
+        "liquid.sound_speed=1 m/s",
+        "--set",
+        "body.0.velocity.z=200 m/s * z/(1 um)",
+    ]);
+    assert_eq!(broken.status.code(), Some(1));
+    let files = fs::read_dir(format!("{out}/checkpoints")).unwrap();
+    let mut files = files.map(|file| file.unwrap().path().display().to_string());
+    let crash = files.find(|file| file.contains("crash-")).unwrap();
+    let text = said(&[&crash]);
+    let told = text.lines().find(|line| line.starts_with("BROKE DOWN")).unwrap();
+    for part in
+        [" of particle ", " in stage ", " at step ", "last good step is ", " neighbours", " from the axis"]
+    {
+        assert!(told.contains(part), "no `{part}` in {told}");
+    }
+    // The run's own words name the same particle.
+    let error = String::from_utf8_lossy(&broken.stderr);
+    let particle = told.split(" of particle ").nth(1).unwrap().split(' ').next().unwrap();
+    assert!(error.contains(&format!("of particle {particle} at")), "{error}\n{told}");
+    let diagnosis = json(&["diagnose", &crash]);
+    assert!(diagnosis["crash"].as_str().unwrap().contains(" in stage "));
+    assert!(json(&["fields", &crash]).as_array().unwrap().iter().any(|field| field["role"] == "derived"));
+    // A run goes on from its last whole checkpoint, not from where it broke down.
+    assert!(said(&[out]).contains("checkpoints/step-"));
+}
+
+/// The example of a reader in Python sees what `inspect` sees, and so does numpy in an exported array.
+#[test]
+fn python_reads_checkpoints_and_arrays() {
+    let numpy = Command::new("python3").args(["-c", "import numpy"]).output();
+    if !numpy.is_ok_and(|output| output.status.success()) {
+        eprintln!("SKIPPED: python3 with numpy is not installed, so the reader in Python is not tested");
+        return;
+    }
+    let run = run().to_str().unwrap();
+    let summary = json(&[run]);
+    let file = summary["file"].as_str().unwrap();
+    let reader = concat!(env!("CARGO_MANIFEST_DIR"), "/../engine/src/checkpoint/read_checkpoint.py");
+    let python = |arguments: &[&str]| -> serde_json::Value {
+        let output = Command::new("python3").args(arguments).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        serde_json::from_slice(&output.stdout).unwrap()
+    };
+    let told = python(&[reader, file, "--json"]);
+    for (name, other) in
+        [("step", "step"), ("time", "time"), ("step_size", "step_size"), ("revision", "revision")]
+    {
+        assert_eq!(told[name], summary[other]);
+    }
+    assert_eq!(told["numbers"], summary["scalars"]);
+    let fields = json(&["fields", run]);
+    assert_eq!(told["fields"].as_object().unwrap().len(), fields.as_array().unwrap().len());
+    for field in fields.as_array().unwrap() {
+        let other = &told["fields"][field["name"].as_str().unwrap()];
+        for part in ["unit", "role", "minimum", "maximum"] {
+            assert_eq!(other[part], field[part], "{field}");
+        }
+        assert_eq!(other["particles"], summary["particles"]);
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let array = folder.path().join("drops.npy");
+    said(&["export", run, array.to_str().unwrap()]);
+    let script = "import json, numpy, sys; a = numpy.load(sys.argv[1]); \
+                  print(json.dumps({n: float(a[n].max()) for n in a.dtype.names}))";
+    let loaded = python(&["-c", script, array.to_str().unwrap()]);
+    for field in fields.as_array().unwrap() {
+        assert_eq!(loaded[field["name"].as_str().unwrap()], field["maximum"]);
+    }
+}
