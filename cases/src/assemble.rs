@@ -83,8 +83,10 @@ pub struct Physics {
     pub domain: Domain,
     /// Particle size at the start in m.
     pub particle_size: f64,
-    /// Speed that scales shifting, m/s.
+    /// Greatest speed that scales shifting, m/s.
     pub shifting_speed: f64,
+    /// One over the capillary time, 1/s; zero without surface tension.
+    pub capillary_rate: f64,
 }
 
 /// One stage that could be in the pipeline.
@@ -268,6 +270,7 @@ impl Builder<'_> {
             let strength = Strength {
                 coefficient: self.shifting(),
                 speed: self.physics.shifting_speed,
+                rate: self.physics.capillary_rate,
                 theta: method.theta,
                 origin: self.physics.domain.origin,
             };

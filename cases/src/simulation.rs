@@ -91,6 +91,10 @@ impl Physics {
                 period: scene.domain.period.map(|length| (bottom, length)),
             },
             particle_size: scene.particle_size,
+            capillary_rate: match scene.liquid.surface_tension > 0.0 {
+                true => 1.0 / Simulation::capillary_time(scene),
+                false => 0.0,
+            },
             shifting_speed: scene.fastest_initial_speed().max(scene.capillary_velocity()),
         }
     }

@@ -62,6 +62,6 @@ mod tests {
         let (mut keys, mut sequence) = (Vec::new(), Vec::new());
         assert!(order(&r, &z, 1.0, &mut keys, &mut sequence));
         assert_eq!(sequence, [2, 3, 1, 0]);
-        assert!(!order(&[0.5, 0.5, 1.5, 1.5], &[0.5, 1.5, 0.5, 1.5], 1.0, &mut keys, &mut sequence));
+        assert!(!order(&[0.5, 1.5, 0.5, 1.5], &[0.5, 0.5, 1.5, 1.5], 1.0, &mut keys, &mut sequence));
     }
 }

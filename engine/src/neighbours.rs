@@ -84,7 +84,7 @@ pub struct NeighbourList {
 
 impl NeighbourList {
     /// Builds the list for particles at (r, z) (metres): a pair is listed if its distance is below
-    /// reach_a + reach_b (metres).
+    /// reach_a + reach_b (metres) and above zero: what lies at the same place has no pair axis.
     pub fn build(&mut self, r: &[f64], z: &[f64], reach: &[f64], domain: &Domain) {
         let largest = 2.0 * parallel::maximum(reach.len(), |i| reach[i]);
         domain.images(r, z, largest, &mut self.images);
@@ -289,7 +289,8 @@ mod tests {
                 let s = list.source(b);
                 let (br, bz) =
                     if b < 700 { (r[b], z[b]) } else { domain.place(&list.images()[b - 700], r[s], z[s]) };
-                if b != a && (br - r[a]).hypot(bz - z[a]) < reach[a] + reach[s] {
+                let distance = (br - r[a]).hypot(bz - z[a]);
+                if distance > 0.0 && distance < reach[a] + reach[s] {
                     expected.push(b);
                 }
             }

@@ -18,6 +18,9 @@ const UNEVEN: [f64; 2] = [0.05, 0.1];
 /// strength: a ring that closes on the axis has no neighbour there that would hold it off.
 const CLOSING: [f64; 2] = [0.42, 0.35];
 
+/// Rate of deformation, over the slowest that matters in the scene, that needs no shift.
+const GENTLE: f64 = 0.03;
+
 /// Strength of the shifting.
 #[derive(Clone, Copy, Debug)]
 pub struct Strength {
@@ -25,17 +28,20 @@ pub struct Strength {
     pub coefficient: f64,
     /// Greatest speed that scales the shift, m/s.
     pub speed: f64,
+    /// The scene's slowest rate of deformation that matters, 1/s: one over its capillary time.
+    pub rate: f64,
     /// Smoothing length parameter.
     pub theta: f64,
     /// Distance of the scene's origin from the axis, m.
     pub origin: f64,
 }
 
-/// dr = -coefficient u dt H grad C with u = H |D|, D the rate of deformation of the particle itself (the
-/// greatest speed where the scene computes none), at most 0.01 D; without the normal component at the
-/// boundary and without its outward part near it (method.md, sections 10 and 12). Off the boundary only
-/// where the packing has become uneven or a ring closes on the axis: a drop that swings gently keeps its
-/// packing, and with it its frequency, which shifting everywhere would lower by .3 % at 35 D per radius.
+/// dr = -coefficient u dt H grad C, at most 0.01 D; without the normal component at the boundary and
+/// without its outward part near it (method.md, sections 10 and 12). u is H times what the particle's rate of
+/// deformation exceeds a gentle flow's by (the greatest speed where the scene computes none). Off the
+/// boundary a particle shifts only where the packing has become uneven or a ring closes on the axis. So a
+/// drop that swings gently keeps its packing, and with it its frequency, which shifting everywhere would
+/// lower by .3 % at 35 D per radius, and a drop at rest stays at rest.
 pub struct Shifting {
     strength: Strength,
     size: Read<f64>,
@@ -100,26 +106,26 @@ impl Stage for Shifting {
         let deformation = self.deformation.map(|fields| fields.map(|field| store.read(field)));
         let [weight_r, weight_z] = self.weight.map(|field| store.read(field));
         let [mut r, mut z] = self.position.map(|field| store.write(field));
-        let Strength { coefficient, speed, theta, origin } = self.strength;
+        let Strength { coefficient, speed, rate, theta, origin } = self.strength;
         parallel::for_chunks(size.len(), (&mut r[..], &mut z[..]), |start, (r, z)| {
             for k in 0..r.len() {
                 let i = start + k;
                 let radius = r[k] + origin;
-                // Most particles need no shift: the test for it is short, without root or division.
-                let moment = Moment { rr: rr[i], rz: rz[i], zz: zz[i] };
-                let uneven = moment.is_anisotropic(UNEVEN[0]);
-                if !uneven && surface[i] != BOUNDARY && radius >= CLOSING[0] * size[i] {
-                    continue;
-                }
-                let needed = match surface[i] {
-                    BOUNDARY => 1.0,
-                    _ => ramp(moment.anisotropy(), UNEVEN).max(ramp(radius / size[i], CLOSING)),
-                };
                 let support = 4.0 * theta * size[i];
+                // Most particles need no shift: the test for it is short.
+                let needed = if surface[i] == BOUNDARY {
+                    1.0
+                } else {
+                    let moment = Moment { rr: rr[i], rz: rz[i], zz: zz[i] };
+                    if !moment.is_anisotropic(UNEVEN[0]) && radius >= CLOSING[0] * size[i] {
+                        continue;
+                    }
+                    ramp(moment.anisotropy(), UNEVEN).max(ramp(radius / size[i], CLOSING))
+                };
                 let speed = match &deformation {
                     Some([rr, shear, zz]) => {
                         let square = rr[i] * rr[i] + zz[i] * zz[i] + 0.5 * shear[i] * shear[i];
-                        (support * square.sqrt()).min(speed)
+                        (support * (square.sqrt() - GENTLE * rate).max(0.0)).min(speed)
                     }
                     None => speed,
                 };

@@ -17,7 +17,7 @@ fn physics(number: u32) -> Physics {
         flux: [Flux::Reconstructed, Flux::FirstOrder][usize::from(bit(2))],
         time_integration: [TimeIntegration::AdamsBashforth, TimeIntegration::Euler][usize::from(bit(3))],
         curvature: [Curvature::ColourField, Curvature::NormalDivergence][usize::from(bit(4))],
-        shifting: if bit(5) { 0.5 } else { 0.0 },
+        shifting: Some(if bit(5) { 0.5 } else { 0.0 }),
         kernel_correction: bit(7),
         tangential_pressure: bit(8),
         strain_correction: bit(9),

@@ -184,6 +184,8 @@ impl Settling {
 fn slow(physics: &Physics) -> Physics {
     let mut physics = physics.clone();
     physics.method.flux = Flux::FirstOrder;
+    // The packing is even as it is, and the first-order flux knows no rate of deformation to scale a shift.
+    physics.method.shifting = Some(0.0);
     physics
 }
 
