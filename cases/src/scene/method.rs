@@ -19,6 +19,8 @@ pub struct Method {
     pub theta: f64,
     /// States of the Riemann problems.
     pub flux: Flux,
+    /// Whether the contacts of the first-order flux are those of shocks where the energy equation is solved.
+    pub shock_contacts: bool,
     /// Time integration.
     pub time_integration: TimeIntegration,
     /// Curvature estimate.
@@ -61,6 +63,7 @@ impl Method {
             axis_factor: 2.0,
             theta: 0.5,
             flux: Flux::Reconstructed,
+            shock_contacts: true,
             time_integration: TimeIntegration::AdamsBashforth,
             curvature: Curvature::ColourField,
             curvature_interval: 4,
@@ -82,6 +85,7 @@ impl Method {
         Self {
             axis: AxisTreatment::Parshikov,
             flux: Flux::FirstOrder,
+            shock_contacts: false,
             time_integration: TimeIntegration::Euler,
             curvature: Curvature::NormalDivergence,
             curvature_interval: 1,
@@ -109,6 +113,7 @@ impl Method {
                 entry.checked(NUMBER, "must lie between 0.4 and 1.5", |value| (0.4..=1.5).contains(&value))
             })?,
             flux: table.read_or("flux", base.flux, |entry| entry.choice())?,
+            shock_contacts: table.read_or("shock_contacts", base.shock_contacts, |entry| entry.flag())?,
             time_integration: table
                 .read_or("time_integration", base.time_integration, |entry| entry.choice())?,
             curvature: table.read_or("curvature", base.curvature, |entry| entry.choice())?,
@@ -141,12 +146,13 @@ impl Method {
     }
 }
 
-const KEYS: [&str; 18] = [
+const KEYS: [&str; 19] = [
     "scheme",
     "axis",
     "axis_factor",
     "theta",
     "flux",
+    "shock_contacts",
     "time_integration",
     "curvature",
     "curvature_interval",
