@@ -29,13 +29,17 @@ pub struct Strength {
     pub theta: f64,
     /// Distance of the scene's origin from the axis, m.
     pub origin: f64,
+    /// Whether all particles shift with the greatest speed, not only where it is needed and as fast as needed.
+    pub everywhere: bool,
 }
 
 /// dr = -coefficient u dt H grad C with u = H |D|, D the rate of deformation of the particle itself (the
 /// greatest speed where the scene computes none), at most 0.01 D; without the normal component at the
 /// boundary and without its outward part near it (method.md, sections 10 and 12). Off the boundary only
 /// where the packing has become uneven or a ring closes on the axis: a drop that swings gently keeps its
-/// packing, and with it its frequency, which shifting everywhere would lower by .3 % at 35 D per radius.
+/// packing, and with it its frequency, which shifting everywhere would lower by .3 % at 35 D per radius. A flow without surface tension has no
+/// such frequency, and keeps its shape better (half the error of a free spheroid) if all particles shift all
+/// the time with the greatest speed.
 pub struct Shifting {
     strength: Strength,
     size: Read<f64>,
@@ -100,7 +104,7 @@ impl Stage for Shifting {
         let deformation = self.deformation.map(|fields| fields.map(|field| store.read(field)));
         let [weight_r, weight_z] = self.weight.map(|field| store.read(field));
         let [mut r, mut z] = self.position.map(|field| store.write(field));
-        let Strength { coefficient, speed, theta, origin } = self.strength;
+        let Strength { coefficient, speed, theta, origin, everywhere } = self.strength;
         parallel::for_chunks(size.len(), (&mut r[..], &mut z[..]), |start, (r, z)| {
             for k in 0..r.len() {
                 let i = start + k;
@@ -108,10 +112,11 @@ impl Stage for Shifting {
                 // Most particles need no shift: the test for it is short, without root or division.
                 let moment = Moment { rr: rr[i], rz: rz[i], zz: zz[i] };
                 let uneven = moment.is_anisotropic(UNEVEN[0]);
-                if !uneven && surface[i] != BOUNDARY && radius >= CLOSING[0] * size[i] {
+                if !everywhere && !uneven && surface[i] != BOUNDARY && radius >= CLOSING[0] * size[i] {
                     continue;
                 }
                 let needed = match surface[i] {
+                    _ if everywhere => 1.0,
                     BOUNDARY => 1.0,
                     _ => ramp(moment.anisotropy(), UNEVEN).max(ramp(radius / size[i], CLOSING)),
                 };

@@ -44,7 +44,7 @@ pub struct Method {
     /// Whether the momentum that surface forces bring in is taken out again.
     pub momentum_correction: bool,
     /// Coefficient of particle shifting, 0 for none; without a choice it is [`SHIFTING`] where there is
-    /// surface tension, whose flows draw particles out into rows, and none elsewhere.
+    /// surface tension, [`FREE_SHIFTING`] where there is none, and none where the energy equation is solved.
     pub shifting: Option<f64>,
     /// Courant number, above 0 and at most 1.
     pub cfl: f64,
@@ -53,6 +53,10 @@ pub struct Method {
 /// Coefficient of particle shifting under surface tension: of 1, 2, 3 and 5 the one with which most fast
 /// collisions of drops end well.
 pub const SHIFTING: f64 = 3.0;
+
+/// Coefficient of particle shifting without surface tension: .5, 1, 2 and 4 leave a free spheroid with 50
+/// particles per radius an error of .54, .51, .41 and .35 %, none leaves 1.9 %.
+pub const FREE_SHIFTING: f64 = 2.0;
 
 impl Method {
     /// The measured defaults.
