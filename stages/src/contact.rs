@@ -2,7 +2,7 @@
 //! once per pair for all terms.
 
 use crate::geometry::{AxisState, Geometry};
-use crate::record::{DeformationState, FlowState};
+use crate::record::{DeformationState, FlowState, ShockRecord};
 use meniscus_engine::lanes::Lanes;
 use meniscus_engine::pairs::Interaction;
 use std::f64::consts::PI;
@@ -33,6 +33,16 @@ pub trait Reconstruction<R>: Copy + Send + Sync {
     /// Half-steps from a and b towards the contact along d, times the distance, and the jump that
     /// P* feels, times the distance, all in m2/s. `jump` is (U_b - U_a) . d.
     fn reconstruct(&self, a: &R, b: &R, d: (Lanes, Lanes), jump: Lanes, inverse_distance: Lanes) -> Rises;
+
+    /// Z_a and Z_b of the waves that leave the contact, kg/(m2 s): those of sound if not said otherwise.
+    /// `jump` is (U_b - U_a) . d in m2/s, `distance` |d| in m.
+    #[inline(always)]
+    fn impedances(&self, a: &R, b: &R, _jump: Lanes, _distance: Lanes) -> (Lanes, Lanes)
+    where
+        R: FlowState,
+    {
+        (a.flow().impedance, b.flow().impedance)
+    }
 }
 
 /// What a reconstruction gives, all times the distance (m2/s).
@@ -54,6 +64,41 @@ impl<R> Reconstruction<R> for FirstOrder {
     #[inline(always)]
     fn reconstruct(&self, _: &R, _: &R, _: (Lanes, Lanes), jump: Lanes, _: Lanes) -> Rises {
         Rises { left: Lanes::ZERO, right: jump, jump }
+    }
+}
+
+/// The first-order flux with waves that may be shocks. Where a contact closes with the speed J, the state
+/// behind each of its two waves moves with about J/2 relative to the particle: with the shock adiabat
+/// D = C + s u the impedance is rho (C + s J/2), exact for two equal states (Dukowicz 1985). Without it a
+/// cold gas would have no resistance at all.
+#[derive(Clone, Copy, Debug)]
+pub struct Shock {
+    /// s.
+    pub slope: f64,
+}
+
+/// Keeps the impedance of a cold gas at rest from dividing by zero; far below that of anything that flows.
+const LEAST_IMPEDANCE: f64 = 1e-100;
+
+impl Reconstruction<ShockRecord> for Shock {
+    #[inline(always)]
+    fn reconstruct(
+        &self,
+        _: &ShockRecord,
+        _: &ShockRecord,
+        _: (Lanes, Lanes),
+        jump: Lanes,
+        _: Lanes,
+    ) -> Rises {
+        Rises { left: Lanes::ZERO, right: jump, jump }
+    }
+
+    #[inline(always)]
+    fn impedances(&self, a: &ShockRecord, b: &ShockRecord, jump: Lanes, distance: Lanes) -> (Lanes, Lanes) {
+        let rise = Lanes::splat(0.5 * self.slope) * (-jump).max(Lanes::ZERO) / distance;
+        let least = Lanes::splat(LEAST_IMPEDANCE);
+        let of = |record: &ShockRecord| record.density.mul_add(rise, record.flow().impedance).max(least);
+        (of(a), of(b))
     }
 }
 
@@ -114,7 +159,7 @@ pub struct ContactProblem<G, F> {
 }
 
 /// 140/pi of the Wendland C2 kernel's derivative (method.md, section 1).
-const KERNEL: f64 = 140.0 / PI;
+pub(crate) const KERNEL: f64 = 140.0 / PI;
 
 impl<R: FlowState, G: Geometry, F: Reconstruction<R>> Interaction<R> for ContactProblem<G, F> {
     type Pair = Contact;
@@ -133,7 +178,10 @@ impl<R: FlowState, G: Geometry, F: Reconstruction<R>> Interaction<R> for Contact
         let square = (dr * dr + dz * dz).max(Lanes::splat(f64::MIN_POSITIVE));
         let distance = square.sqrt();
         let support = a.reach + b.reach;
-        let impedance = a.impedance + b.impedance;
+        let (du, dw) = (b.velocity_r - a.velocity_r, b.velocity_z - a.velocity_z);
+        let jump = du.mul_add(dr, dw * dz);
+        let (impedance_a, impedance_b) = self.reconstruction.impedances(record_a, record_b, jump, distance);
+        let impedance = impedance_a + impedance_b;
 
         // One division gives the three inverses.
         let support_impedance = support * impedance;
@@ -147,14 +195,12 @@ impl<R: FlowState, G: Geometry, F: Reconstruction<R>> Interaction<R> for Contact
         let scale = Lanes::splat(0.5 * KERNEL) * (record_a.kernel_scale() + record_b.kernel_scale());
         let kernel = scale * inverse_square * inverse_square * (inside * inside * inside);
 
-        let (du, dw) = (b.velocity_r - a.velocity_r, b.velocity_z - a.velocity_z);
-        let jump = du.mul_add(dr, dw * dz);
         let rises = self.reconstruction.reconstruct(record_a, record_b, (dr, dz), jump, inverse_distance);
 
         // Equations (19) and (20), the velocities relative to U_a.
-        let carried = a.impedance.mul_add(rises.left, b.impedance * rises.right);
+        let carried = impedance_a.mul_add(rises.left, impedance_b * rises.right);
         let pushed = (a.pressure - b.pressure) * distance;
-        let resistance = a.impedance * b.impedance * inverse_impedance;
+        let resistance = impedance_a * impedance_b * inverse_impedance;
         let area_kernel = b.area * kernel;
         Contact {
             dr,
@@ -163,7 +209,7 @@ impl<R: FlowState, G: Geometry, F: Reconstruction<R>> Interaction<R> for Contact
             area_kernel,
             weight_kernel: area_kernel * self.geometry.factor(own, b),
             rise: (carried + pushed) * inverse_impedance,
-            pressure: b.pressure.mul_add(a.impedance, a.pressure * b.impedance) * inverse_impedance,
+            pressure: b.pressure.mul_add(impedance_a, a.pressure * impedance_b) * inverse_impedance,
             dissipation: -(resistance * rises.jump * inverse_distance),
         }
     }

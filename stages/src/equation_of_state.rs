@@ -2,7 +2,7 @@
 
 use crate::fields;
 use crate::liquids::EquationOfState;
-use crate::record::{Deformation, Flow, image_of_deformation, image_of_flow};
+use crate::record::{Deformation, Flow, ShockRecord, image_of_flow, image_of_second};
 use meniscus_engine::lanes::{Lanes, WIDTH};
 use meniscus_engine::neighbours::Domain;
 use meniscus_engine::parallel;
@@ -36,8 +36,26 @@ impl Packing {
     }
 }
 
+/// What the second half of a row holds, if anything.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Second {
+    /// Nothing: there is no second half.
+    Nothing,
+    /// The rate of deformation predicted for the present time, and the kernel scale.
+    Deformation,
+    /// Density and kernel scale.
+    Density,
+}
+
+/// The fields of the second row.
+enum SecondRow {
+    Deformation(DeformationFields),
+    /// The kernel scale; the density is at hand.
+    Density(Read<f64>),
+}
+
 /// Rate of deformation and kernel scale for the second row.
-struct SecondRow {
+struct DeformationFields {
     deformation: [Read<f64>; 3],
     change: [Read<f64>; 3],
     kernel_scale: Read<f64>,
@@ -60,8 +78,8 @@ pub struct State<E> {
 }
 
 impl<E: EquationOfState> State<E> {
-    /// With `second`, rows get a second half with the rate of deformation predicted for the present time.
-    pub fn new(wiring: &mut Wiring, equation: E, packing: Packing, second: bool) -> Self {
+    /// Packs rows with the given second half.
+    pub fn new(wiring: &mut Wiring, equation: E, packing: Packing, second: Second) -> Self {
         wiring.stage("equation-of-state");
         State {
             equation,
@@ -72,7 +90,7 @@ impl<E: EquationOfState> State<E> {
             mass: wiring.read(&fields::MASS),
             energy: E::WITH_ENERGY.then(|| wiring.read(&fields::TOTAL_ENERGY)),
             reference_pressure: wiring.read(&fields::REFERENCE_PRESSURE),
-            second: second.then(|| SecondRow::new(wiring)),
+            second: SecondRow::new(wiring, second),
             size: wiring.write(&fields::SIZE),
             pressure: wiring.write(&fields::PRESSURE),
             sound_speed: wiring.write(&fields::SOUND_SPEED),
@@ -134,7 +152,29 @@ impl<E: EquationOfState> State<E> {
     }
 }
 
+impl<E: EquationOfState> State<E> {
+    fn pack_density(&self, world: &mut World, kernel_scale: Read<f64>) {
+        let (density, scale) = (world.store.read(self.density), world.store.read(kernel_scale));
+        let columns = (&density[..], &scale[..], &mut world.rows.second[..density.len()]);
+        parallel::for_chunks(density.len(), columns, |_, (density, scale, rows)| {
+            for ((row, density), scale) in rows.iter_mut().zip(density).zip(scale) {
+                *row = ShockRecord::pack_second(*density, *scale);
+            }
+        });
+    }
+}
+
 impl SecondRow {
+    fn new(wiring: &mut Wiring, second: Second) -> Option<Self> {
+        match second {
+            Second::Nothing => None,
+            Second::Deformation => Some(SecondRow::Deformation(DeformationFields::new(wiring))),
+            Second::Density => Some(SecondRow::Density(wiring.read(&fields::KERNEL_SCALE))),
+        }
+    }
+}
+
+impl DeformationFields {
     fn new(wiring: &mut Wiring) -> Self {
         let deformation = [&fields::DEFORMATION_RR, &fields::DEFORMATION_SHEAR, &fields::DEFORMATION_ZZ];
         let change = [
@@ -142,7 +182,7 @@ impl SecondRow {
             &fields::DEFORMATION_CHANGE_SHEAR,
             &fields::DEFORMATION_CHANGE_ZZ,
         ];
-        SecondRow {
+        DeformationFields {
             deformation: deformation.map(|field| wiring.read(field)),
             change: change.map(|field| wiring.read(field)),
             kernel_scale: wiring.read(&fields::KERNEL_SCALE),
@@ -188,14 +228,16 @@ impl<E: EquationOfState> Stage for State<E> {
         let (particles, images) = (world.store.len(), world.neighbours.images().len());
         world.rows.resize(particles, images, self.second.is_some());
         self.evaluate(world);
-        if let Some(second) = &self.second {
-            second.pack(world);
+        match &self.second {
+            Some(SecondRow::Deformation(fields)) => fields.pack(world),
+            Some(SecondRow::Density(scale)) => self.pack_density(world, *scale),
+            None => {}
         }
         for (k, image) in world.neighbours.images().iter().enumerate() {
             let (source, copy) = (image.source as usize, particles + k);
             world.rows.first[copy] = image_of_flow(image, &self.packing.domain, &world.rows.first[source]);
             if self.second.is_some() {
-                world.rows.second[copy] = image_of_deformation(image, &world.rows.second[source]);
+                world.rows.second[copy] = image_of_second(image, &world.rows.second[source]);
             }
         }
         Ok(())

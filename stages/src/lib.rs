@@ -1,5 +1,6 @@
 //! The physics of Meniscus: every stage and every pair term in a small file of its own.
 
+pub mod axis_contact;
 pub mod boundary_detect;
 pub mod central_force;
 pub mod colour_field;

@@ -8,6 +8,9 @@ pub trait EquationOfState: Copy + Send + Sync + 'static {
     fn pressure(&self, density: f64, energy: f64) -> f64;
     /// Speed of sound in m/s at a density in kg/m3 and a specific internal energy in J/kg.
     fn sound_speed(&self, density: f64, energy: f64) -> f64;
+    /// s of D = C + s u, by which a shock of speed D outruns sound where it sets the liquid before it in
+    /// motion with the speed u; zero for a liquid whose flow has no shocks.
+    fn shock_slope(&self) -> f64;
 }
 
 /// P = C_0^2 (rho - rho_0) (method.md, section 5).
@@ -28,6 +31,10 @@ impl EquationOfState for Linear {
 
     fn sound_speed(&self, _: f64, _: f64) -> f64 {
         self.sound_speed
+    }
+
+    fn shock_slope(&self) -> f64 {
+        0.0
     }
 }
 
@@ -84,6 +91,10 @@ impl EquationOfState for MieGrueneisen {
         let least = 0.01 * self.sound_speed * self.sound_speed;
         (by_density + self.grueneisen * pressure / density).max(least).sqrt()
     }
+
+    fn shock_slope(&self) -> f64 {
+        self.slope
+    }
 }
 
 /// P = (gamma - 1) rho e.
@@ -102,6 +113,11 @@ impl EquationOfState for IdealGas {
 
     fn sound_speed(&self, _: f64, energy: f64) -> f64 {
         (self.heat_ratio * (self.heat_ratio - 1.0) * energy.max(0.0)).sqrt()
+    }
+
+    fn shock_slope(&self) -> f64 {
+        // The limit of a strong shock, D = (gamma + 1) u/2.
+        0.5 * (self.heat_ratio + 1.0)
     }
 }
 

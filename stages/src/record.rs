@@ -51,6 +51,15 @@ pub struct DeformationRecord {
     deformation: Deformation<Lanes>,
 }
 
+/// A record of a row and a half: flow state, density and kernel scale.
+#[derive(Clone, Copy, Debug)]
+pub struct ShockRecord {
+    flow: Flow<Lanes>,
+    /// Density, kg/m3.
+    pub density: Lanes,
+    kernel_scale: Lanes,
+}
+
 /// A record that holds a flow state.
 pub trait FlowState: Record {
     /// The flow state.
@@ -100,6 +109,25 @@ impl FlowState for DeformationRecord {
     #[inline(always)]
     fn kernel_scale(&self) -> Lanes {
         self.deformation.kernel_scale
+    }
+}
+
+impl Record for ShockRecord {
+    const SECOND: bool = true;
+    #[inline(always)]
+    fn from_slots(first: [Lanes; WIDTH], [density, _, _, kernel_scale]: [Lanes; WIDTH / 2]) -> Self {
+        ShockRecord { flow: Flow::unpack(first), density, kernel_scale }
+    }
+}
+
+impl FlowState for ShockRecord {
+    #[inline(always)]
+    fn flow(&self) -> &Flow<Lanes> {
+        &self.flow
+    }
+    #[inline(always)]
+    fn kernel_scale(&self) -> Lanes {
+        self.kernel_scale
     }
 }
 
@@ -154,6 +182,14 @@ impl Deformation<f64> {
     }
 }
 
+impl ShockRecord {
+    /// Density in kg/m3 and scale as half a row.
+    #[inline]
+    pub fn pack_second(density: f64, kernel_scale: f64) -> HalfRow {
+        HalfRow([density, 0.0, 0.0, kernel_scale])
+    }
+}
+
 /// The first row of an image from that of its particle (method.md, section 4).
 pub fn image_of_flow(image: &Image, domain: &Domain, row: &Row) -> Row {
     let mut flow = Flow::unpack(row.0);
@@ -164,8 +200,9 @@ pub fn image_of_flow(image: &Image, domain: &Domain, row: &Row) -> Row {
     flow.pack()
 }
 
-/// The second row of an image from that of its particle: a mirror changes the sign of the shear.
-pub fn image_of_deformation(image: &Image, row: &HalfRow) -> HalfRow {
+/// The second row of an image from that of its particle: a mirror changes the sign of the shear, whose slot
+/// a row without one leaves zero.
+pub fn image_of_second(image: &Image, row: &HalfRow) -> HalfRow {
     let mut deformation = Deformation::unpack(row.0);
     if image.mirrored {
         deformation.shear = -deformation.shear;

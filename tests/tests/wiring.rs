@@ -1,12 +1,21 @@
 //! Every choice of the method can be assembled, and steps without reading what nobody wrote.
 
-use meniscus_cases::assemble::{Physics, assemble};
+use meniscus_cases::assemble::{Equation, Physics, assemble};
 use meniscus_cases::scene::{
     AxisTreatment, Curvature, Flux, Method, ReferencePressure, Scheme, TimeIntegration,
 };
+use meniscus_stages::liquids::MieGrueneisen;
 use meniscus_tests::liquid::{self, Block, Random, SIZE};
 
-const FLAGS: u32 = 13;
+const FLAGS: u32 = 14;
+
+/// The block's liquid with shocks and the energy equation.
+const SHOCKED: Equation = Equation::MieGrueneisen(MieGrueneisen {
+    reference_density: liquid::DENSITY,
+    sound_speed: liquid::SOUND_SPEED,
+    slope: 2.0,
+    grueneisen: 2.0,
+});
 
 /// The choices that the bits of a number stand for.
 fn physics(number: u32) -> Physics {
@@ -26,7 +35,9 @@ fn physics(number: u32) -> Physics {
         reference_pressure: [ReferencePressure::Component, ReferencePressure::None][usize::from(bit(12))],
         ..Method::defaults()
     };
-    Physics { surface_tension: if bit(6) { 0.074 } else { 0.0 }, ..liquid::physics(method) }
+    let surface_tension = if bit(6) { 0.074 } else { 0.0 };
+    let physics = Physics { surface_tension, ..liquid::physics(method) };
+    if bit(13) { Physics { equation: SHOCKED, ..physics } } else { physics }
 }
 
 #[test]

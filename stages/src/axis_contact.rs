@@ -1,0 +1,71 @@
+//! The contact across the axis: a particle that streams into the axis meets its own mirror image.
+
+use crate::contact::KERNEL;
+use crate::equation_of_state::Packing;
+use crate::fields;
+use meniscus_engine::parallel;
+use meniscus_engine::pipeline::{Fault, Stage, World};
+use meniscus_engine::store::{Add, Read};
+use meniscus_engine::wiring::Wiring;
+
+/// rho dU_r/dt += 2 V g(2 R) q with q = rho (C + s |U_r|) |U_r| where U_r < 0: the dissipative part of P* at
+/// the contact with the image, weighted like Parshikov's pairs. The harmonic-mean weight of a particle's
+/// image is zero, so that nothing else would stop a cold gas before it has crossed the axis. The force is
+/// radial and works on nothing but the particle itself, whose total energy it leaves: what is lost in
+/// motion becomes heat, and axial momentum is not touched.
+pub struct AxisContact {
+    packing: Packing,
+    slope: f64,
+    radius: Read<f64>,
+    velocity: Read<f64>,
+    density: Read<f64>,
+    size: Read<f64>,
+    sound_speed: Read<f64>,
+    dissipation: Add<f64>,
+}
+
+impl AxisContact {
+    /// `packing` gives the support of a pair, `slope` is that of the shock adiabat.
+    pub fn new(wiring: &mut Wiring, packing: Packing, slope: f64) -> Self {
+        wiring.stage("axis-contact");
+        AxisContact {
+            packing,
+            slope,
+            radius: wiring.read(&fields::RADIUS),
+            velocity: wiring.read(&fields::VELOCITY_R),
+            density: wiring.read(&fields::DENSITY),
+            size: wiring.read(&fields::SIZE),
+            sound_speed: wiring.read(&fields::SOUND_SPEED),
+            dissipation: wiring.add(&fields::DISSIPATION_R),
+        }
+    }
+}
+
+impl Stage for AxisContact {
+    fn name(&self) -> &'static str {
+        "axis-contact"
+    }
+
+    fn run(&mut self, world: &mut World) -> Result<(), Fault> {
+        let store = &world.store;
+        let (radius, velocity) = (store.read(self.radius), store.read(self.velocity));
+        let (density, size) = (store.read(self.density), store.read(self.size));
+        let sound_speed = store.read(self.sound_speed);
+        let mut dissipation = store.write(self.dissipation);
+        let Packing { theta, largest_size, .. } = self.packing;
+        parallel::for_chunks(radius.len(), &mut dissipation[..], |start, dissipation| {
+            for (k, dissipation) in dissipation.iter_mut().enumerate() {
+                let i = start + k;
+                let support = 4.0 * theta * size[i].min(largest_size);
+                let (distance, closing) = (2.0 * radius[i], -velocity[i]);
+                if distance < support && closing > 0.0 {
+                    let inside = 1.0 - distance / support;
+                    let kernel = KERNEL * inside.powi(3) / support.powi(4);
+                    let excess = density[i] * (sound_speed[i] + self.slope * closing) * closing;
+                    *dissipation += 2.0 * size[i] * size[i] * kernel * distance * excess;
+                }
+            }
+        });
+        Ok(())
+    }
+}
