@@ -93,6 +93,27 @@ pub fn write_page(path: &Path, page: &Page) -> OutputResult<()> {
     write_atomic(path, |file| file.write_all(text.as_bytes()))
 }
 
+/// Writes a chart of a page as a picture that stands alone, on white.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn write_chart(path: &Path, chart: &str) -> OutputResult<()> {
+    let colours = [
+        ("--ink", "#1c2430"),
+        ("--soft", "#5b6675"),
+        ("--line", "#e3e7ec"),
+        ("--good", "#0a7a4b"),
+        ("--bad", "#b42318"),
+    ];
+    let rules = STYLE.lines().filter(|line| line.starts_with("svg")).collect::<String>();
+    let style =
+        colours.iter().fold(rules, |rules, (name, value)| rules.replace(&format!("var({name})"), value));
+    let opening =
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" style=\"background:#fff;font-family:sans-serif\" ";
+    let alone = chart.replacen("<svg ", opening, 1).replacen('>', &format!("><style>{style}</style>"), 1);
+    write_atomic(path, |file| file.write_all(alone.as_bytes()))
+}
+
 fn render(page: &Page) -> String {
     let title = escape(&page.title);
     let mut html = format!(

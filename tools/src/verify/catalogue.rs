@@ -184,8 +184,12 @@ points = [[8, -0.001, 1], [16, 0.01, 5]]
     fn the_catalogue_of_the_project_is_sound() {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../cases");
         for case in read(&folder, &[]).unwrap() {
-            let scene = meniscus_cases::scene::read(&case.scene(&folder), &case.settings(20.0));
-            assert!(scene.is_ok(), "{}", case.name);
+            for resolution in
+                [Level::Quick, Level::Paper, Level::Fine].map(|level| case.resolutions(level)[0])
+            {
+                let scene = meniscus_cases::scene::read(&case.scene(&folder), &case.settings(resolution));
+                assert!(scene.is_ok(), "{} at {resolution}", case.name);
+            }
         }
     }
 }

@@ -10,7 +10,7 @@ use std::process::ExitCode;
 use crate::command::pool;
 use crate::failure::Failure;
 use crate::output::OutputError;
-use crate::output::report::write_page;
+use crate::output::report::{write_chart, write_page};
 use crate::output::summary::Status;
 use crate::run::INTERRUPTED;
 use crate::study::batch::{Job, prepare, run_all};
@@ -79,7 +79,13 @@ pub(crate) fn verify(arguments: &VerifyArguments) -> Result<ExitCode, Failure> {
     let json = serde_json::to_string_pretty(&rows).unwrap_or_default();
     std::fs::write(&path, json + "\n").map_err(OutputError::file("write", &path))?;
     let page = arguments.out.join("verify.html");
-    write_page(&page, &present::page(&cases, &rows))?;
+    let contents = present::page(&cases, &rows);
+    write_page(&page, &contents)?;
+    for (case, section) in cases.iter().zip(&contents.sections) {
+        for (k, chart) in section.charts.iter().enumerate() {
+            write_chart(&arguments.out.join(format!("{}-{}.svg", case.name, k + 1)), chart)?;
+        }
+    }
     let missed = rows.iter().filter(|row| row.met == Some(false)).count();
     println!("{}", present::table(&rows));
     println!("{}\nresults in {}", present::verdict(&rows), page.display());
