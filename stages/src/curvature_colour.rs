@@ -1,28 +1,17 @@
 //! Normals and curvature from the colour field: where c = 1/2 along its gradient lies the surface.
 
-use crate::colour_field::{Colour, ColourField};
+use crate::colour_field::ColourField;
 use crate::equation_of_state::Packing;
 use crate::fields;
 use crate::surface::{BOUNDARY, NEAR_BOUNDARY};
+use crate::surface_neighbours::SurfaceNeighbours;
+use crate::surface_search::{Found, Start, find};
 use atomic_refcell::AtomicRefMut;
-use meniscus_engine::bins::Bins;
-use meniscus_engine::neighbours::Image;
 use meniscus_engine::parallel;
 use meniscus_engine::pipeline::{Fault, Stage, World};
 use meniscus_engine::store::{Read, Update, Write};
 use meniscus_engine::wiring::Wiring;
 use std::sync::{Arc, Mutex};
-
-/// What the stage finds for one particle.
-#[derive(Clone, Copy, Debug, Default)]
-struct Found {
-    /// Mean of the two principal curvatures times two, 1/m.
-    curvature: f64,
-    /// Unit tangent of the surface.
-    tangent: [f64; 2],
-    /// The way from the particle to the surface, m.
-    offset: [f64; 2],
-}
 
 /// Settings of the colour-field curvature.
 #[derive(Clone, Copy, Debug)]
@@ -59,16 +48,6 @@ pub struct CurvatureColour {
     found: Vec<Found>,
     slopes: Vec<[f64; 2]>,
     neighbours: SurfaceNeighbours,
-}
-
-/// Boundary particles and their images, to be searched.
-#[derive(Default)]
-struct SurfaceNeighbours {
-    r: Vec<f64>,
-    z: Vec<f64>,
-    images: Vec<Image>,
-    points: [Vec<f64>; 2],
-    bins: Bins,
 }
 
 impl CurvatureColour {
@@ -132,7 +111,8 @@ impl CurvatureColour {
                     Ok(place) => Start::Particle(field.known[place].1),
                     Err(_) => Start::Particle(field.at(r[i], z[i], settings.support * size)),
                 };
-                *found = find(field, start, [r[i], z[i]], size, &settings, packing.domain.origin);
+                *found =
+                    find(field, start, [r[i], z[i]], size, settings.support * size, packing.domain.origin);
             }
         });
     }
@@ -176,8 +156,7 @@ impl CurvatureColour {
             return Default::default();
         };
         let k = near.source(member);
-        let mirrored = member.checked_sub(near.r.len()).is_some_and(|image| near.images[image].mirrored);
-        let turned = |[r, z]: [f64; 2]| if mirrored { [-r, z] } else { [r, z] };
+        let turned = |[r, z]: [f64; 2]| if near.is_mirrored(member) { [-r, z] } else { [r, z] };
         let (slope, offset) = (turned(self.slopes[k]), turned(self.found[k].offset));
         let tangent = turned(self.found[k].tangent);
         let pressure = self.settings.surface_tension * self.found[k].curvature;
@@ -194,34 +173,17 @@ impl CurvatureColour {
         let [r, z] = self.position.map(|field| world.store.read(field));
         let size = world.store.read(self.size);
         let largest = self.packing.largest_size;
-        let near = &mut self.neighbours;
-        for (picked, from) in [(&mut near.r, &r), (&mut near.z, &z)] {
-            picked.clear();
-            picked.extend(self.boundary.iter().map(|&i| from[i as usize]));
-        }
-        self.packing.domain.images(&near.r, &near.z, 3.0 * largest, &mut near.images);
-        for (points, own) in near.points.iter_mut().zip([&near.r, &near.z]) {
-            points.clear();
-            points.extend_from_slice(own);
-        }
-        for image in &near.images {
-            let s = image.source as usize;
-            let (image_r, image_z) = self.packing.domain.place(image, near.r[s], near.z[s]);
-            near.points[0].push(image_r);
-            near.points[1].push(image_z);
-        }
-        near.bins.build(&near.points[0], &near.points[1], 3.0 * largest);
+        self.neighbours.gather(&self.boundary, [&r, &z], 3.0 * largest, &self.packing.domain);
         let (near, boundary, found) = (&self.neighbours, &self.boundary[..], &self.found[..]);
         let (size, tension) = (&size[..], self.settings.surface_tension);
         let slope = |k: usize| {
             let reach = 3.0 * size[boundary[k] as usize].min(largest);
-            let own = [near.r[k], near.z[k], tension * found[k].curvature];
             let there = |member: u32| {
                 let other = near.source(member as usize);
                 let size = size[boundary[other] as usize];
                 (size * size, tension * found[other].curvature)
             };
-            near.slope(own, reach, found[k].tangent, there)
+            near.slope(k, tension * found[k].curvature, reach, found[k].tangent, there)
         };
         self.slopes.clear();
         self.slopes.resize(boundary.len(), [0.0; 2]);
@@ -259,144 +221,10 @@ impl Columns<'_> {
     }
 }
 
-impl SurfaceNeighbours {
-    /// The place in the list of boundary particles behind a member that may be an image.
-    fn source(&self, member: usize) -> usize {
-        match member.checked_sub(self.r.len()) {
-            Some(image) => self.images[image].source as usize,
-            None => member,
-        }
-    }
-
-    /// The nearest member within reach, and the way to it.
-    fn nearest(&self, [r, z]: [f64; 2], reach: f64) -> Option<(usize, [f64; 2])> {
-        let (mut best, mut least) = (None, reach * reach);
-        self.bins.near(r, z, reach, |range| {
-            for &member in &self.bins.members()[range] {
-                let member = member as usize;
-                let way = [self.points[0][member] - r, self.points[1][member] - z];
-                let square = way[0] * way[0] + way[1] * way[1];
-                if square < least {
-                    (best, least) = (Some((member, way)), square);
-                }
-            }
-        });
-        best
-    }
-
-    /// Weighted least squares of the pressure along the tangent; `there` gives a neighbour's area and
-    /// pressure.
-    fn slope(
-        &self,
-        [r, z, pressure]: [f64; 3],
-        reach: f64,
-        tangent: [f64; 2],
-        there: impl Fn(u32) -> (f64, f64),
-    ) -> [f64; 2] {
-        let (mut upper, mut lower) = (0.0, 0.0);
-        let inverse = 1.0 / reach;
-        self.bins.near(r, z, reach, |range| {
-            for &member in &self.bins.members()[range] {
-                let (dr, dz) = (self.points[0][member as usize] - r, self.points[1][member as usize] - z);
-                let inside = 1.0 - (dr * dr + dz * dz).sqrt() * inverse;
-                if inside > 0.0 {
-                    let (area, other) = there(member);
-                    let along = dr * tangent[0] + dz * tangent[1];
-                    let weight = area * inside * inside * inside;
-                    upper += weight * (other - pressure) * along;
-                    lower += weight * along * along;
-                }
-            }
-        });
-        let slope = if lower > 0.0 { upper / lower } else { 0.0 };
-        [tangent[0] * slope, tangent[1] * slope]
-    }
-}
-
-/// Depth below a flat surface over the support radius, from c - 1/2: an odd polynomial fitted to the
-/// inverse of the colour kernel's half-plane integral, good to .0004 for |c - 1/2| < .51.
-fn depth(excess: f64) -> f64 {
-    let square = excess * excess;
-    excess * (0.255_988_86 + square * (0.142_692_53 + square * (-0.007_783_92 + square * 0.882_506_95)))
-}
-
-/// Most evaluations of the colour field for one particle, the one at its own place included.
-const MOST_EVALUATIONS: usize = 5;
-/// So close to the surface, in particle sizes, what is left of the way is a parallel shift.
-const CLOSE: f64 = 0.1;
-
-/// Where the search for the surface starts.
-enum Start {
-    /// At the particle, whose colour is known.
-    Particle(Colour),
-    /// Where the surface lay from the particle last time.
-    Foot([f64; 2]),
-}
-
-/// From a particle, along grad c, to the surface c = 1/2; the curvature there. Where the surface was found
-/// before, it is looked for there; else the first step takes the depth from the profile of a flat
-/// surface. Further steps are Newton's.
-fn find(
-    field: &ColourField,
-    start: Start,
-    at: [f64; 2],
-    size: f64,
-    settings: &ColourCurvature,
-    origin: f64,
-) -> Found {
-    let support = settings.support * size;
-    let steepness = |colour: &Colour| colour.gradient[0].hypot(colour.gradient[1]);
-    let newton = |colour: &Colour| ((0.5 - colour.value) / steepness(colour)).clamp(-size, size);
-    let (mut foot, mut colour, mut inward) = match start {
-        Start::Particle(here) => (at, here, -support * depth((here.value - 0.5).clamp(-0.5, 0.5))),
-        Start::Foot(offset) => {
-            let foot = [at[0] + offset[0], at[1] + offset[1]];
-            let colour = field.at(foot[0], foot[1], support);
-            (foot, colour, newton(&colour))
-        }
-    };
-    let mut evaluations = 1;
-    let at_particle = matches!(start, Start::Particle(_));
-    while (at_particle && evaluations == 1) || (inward.abs() > CLOSE * size && evaluations < MOST_EVALUATIONS)
-    {
-        let step = inward / steepness(&colour);
-        foot = [foot[0] + step * colour.gradient[0], foot[1] + step * colour.gradient[1]];
-        colour = field.at(foot[0], foot[1], support);
-        inward = newton(&colour);
-        evaluations += 1;
-    }
-    let length = steepness(&colour);
-    if length.is_nan() || length <= 0.0 {
-        return Found::default();
-    }
-    let [r, z] = colour.gradient.map(|component| component / length);
-    // Nothing smaller than a particle is resolved: each curvature stays below 1/D.
-    let most = 1.0 / size;
-    let limit = |curvature: f64| if curvature.is_finite() { curvature.clamp(-most, most) } else { 0.0 };
-    // The level set lies `inward` outside of the surface: parallel surfaces' radii differ by that.
-    let [meridional, hoop] = curvatures(&colour, foot[0] + origin, size).map(limit);
-    let at_surface = |curvature: f64| limit(curvature / (1.0 - inward * curvature));
-    Found {
-        curvature: at_surface(meridional) + at_surface(hoop),
-        tangent: [-z, r],
-        offset: [foot[0] + inward * r - at[0], foot[1] + inward * z - at[1]],
-    }
-}
-
 /// dt <= .25 sqrt(rho h^3/(2 pi sigma)) (method.md, section 6) with h the length that the curvature
 /// resolves: shorter waves are not driven.
 pub fn capillary_bound(surface_tension: f64, density: f64, length: f64) -> f64 {
     0.25 * (density * length.powi(3) / (2.0 * std::f64::consts::PI * surface_tension)).sqrt()
-}
-
-/// The principal curvatures of a level set: -(c_rr c_z^2 - 2 c_r c_z c_rz + c_zz c_r^2)/|grad c|^3 and
-/// -c_r/(R |grad c|), with c_rr for c_r/R on the axis (method.md, section 9).
-fn curvatures(colour: &Colour, radius: f64, size: f64) -> [f64; 2] {
-    let [r, z] = colour.gradient;
-    let [rr, rz, zz] = colour.second;
-    let length = r.hypot(z);
-    let hoop = if radius.abs() > 1e-3 * size { r / radius } else { rr };
-    [-(rr * z * z - 2.0 * r * z * rz + zz * r * r) / length.powi(3), -hoop / length]
 }
 
 impl Stage for CurvatureColour {

@@ -12,8 +12,6 @@ const VANISHING: f64 = 1e-4;
 
 /// Distance from the axis, in particle sizes, of the innermost particles of a regular packing.
 const INNERMOST: f64 = 0.43;
-/// Distance from the axis, in particle sizes, below which a ring is about to close.
-const CLOSING: f64 = 0.35;
 
 /// How velocities are brought forward.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -146,7 +144,7 @@ impl Integrate {
         let store = &world.store;
         let [force_r, force_z] = self.force.map(|field| store.read(field));
         let [dissipation_r, dissipation_z] = self.dissipation.map(|field| store.read(field));
-        let (strain_rate, size) = (store.read(self.strain_rate), store.read(self.size));
+        let strain_rate = store.read(self.strain_rate);
         let [mut r, mut z] = self.position.map(|field| store.write(field));
         let [mut u, mut w] = self.velocity.map(|field| store.write(field));
         let mut density = store.write(self.density);
@@ -157,7 +155,6 @@ impl Integrate {
         let q = if previous.is_some() && before > 0.0 { dt / (2.0 * before) } else { 0.0 };
         let origin = self.courant.origin;
         let (force_r, force_z, strain_rate) = (&force_r[..], &force_z[..], &strain_rate[..]);
-        let size = &size[..];
         let (dissipation_r, dissipation_z) = (&dissipation_r[..], &dissipation_z[..]);
         let step = Step { dt: Lanes::splat(dt), now: Lanes::splat(1.0 + q), before: Lanes::splat(q) };
         let body = |start: usize, columns: Columns, len: usize| {
@@ -177,17 +174,10 @@ impl Integrate {
                     None => (None, None),
                 };
                 let du = component(force_r, dissipation_r, previous_r);
-                // The hoop strain of a ring that closes on the axis follows the new velocity: its hoop terms swing
-                // with C/R, nothing dissipates that, and an Euler step of the strain would feed it. (Where there
-                // is room, at D, this would cost a drop 3 % of its frequency.)
-                let radius = Lanes::load_or(&r[eight.clone()], 1.0) + Lanes::splat(origin);
-                let size = Lanes::load_or(&size[here.clone()], 0.0);
-                let near = Lanes::splat(CLOSING) * size;
-                let hoop = near.select_greater(radius, du / radius, Lanes::ZERO);
                 let dw = component(force_z, dissipation_z, previous_z);
                 let new_u = step.advance(&mut r[eight.clone()], &mut u[eight.clone()], du);
                 let new_w = step.advance(&mut z[eight.clone()], &mut w[eight.clone()], dw);
-                let strain = step.dt * (Lanes::load_or(&strain_rate[here], 0.0) + hoop);
+                let strain = step.dt * Lanes::load_or(&strain_rate[here], 0.0);
                 let new_density = Lanes::load_or(&density[eight.clone()], 1.0) * (-strain).exp();
                 new_density.store(&mut density[eight.clone()]);
                 // One test for all: the sum is finite where every part is.

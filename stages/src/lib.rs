@@ -24,5 +24,7 @@ pub mod shifting;
 pub mod sort_bin;
 pub mod surface;
 pub mod surface_corrections;
+mod surface_neighbours;
+mod surface_search;
 pub mod terms;
 pub mod velocity_gradient;

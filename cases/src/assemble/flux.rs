@@ -1,0 +1,95 @@
+//! The flux pass: which weights, which contacts and which pair sums a scene needs.
+
+use super::builder::Builder;
+use crate::scene::{AxisTreatment, Scheme};
+use meniscus_engine::pairs::{PairPass, PairTerm};
+use meniscus_engine::pipeline::Stage;
+use meniscus_stages::contact::{Contact, ContactProblem, FirstOrder, Limited, Reconstruction, Shock};
+use meniscus_stages::equation_of_state::Second;
+use meniscus_stages::geometry::{Geometry, HarmonicMean, NearAxisParshikov, Parshikov};
+use meniscus_stages::record::{DeformationRecord, FlowRecord, FlowState, ShockRecord};
+use meniscus_stages::terms::{
+    Crowding, DensityRate, EnergyRate, GhostWeight, MomentMatrix, PressureRiemann, VelocitySum,
+};
+
+impl Builder<'_> {
+    pub(super) fn describe_flux(&self) -> String {
+        let method = &self.physics.method;
+        let weights = match (method.scheme, method.axis) {
+            (Scheme::Parshikov, _) => "Parshikov's weights".to_string(),
+            (_, AxisTreatment::Conservative) => "harmonic-mean weights".to_string(),
+            (_, AxisTreatment::Parshikov) => {
+                format!("harmonic-mean weights, Parshikov's within {} h of the axis", method.axis_factor)
+            }
+        };
+        let flux = match (self.reconstructs(), self.with_shocks()) {
+            (true, _) => "reconstructed velocities",
+            (false, true) => "first-order flux with the contacts of shocks",
+            (false, false) => "first-order flux",
+        };
+        format!("all pair sums in one traversal: {weights}, {flux}")
+    }
+
+    pub(super) fn flux(&mut self) -> Box<dyn Stage> {
+        let origin = self.physics.domain.origin;
+        let axis_factor = self.physics.method.axis_factor;
+        match (self.physics.method.scheme, self.physics.method.axis) {
+            (Scheme::Parshikov, _) => self.flux_with(Parshikov { origin }),
+            (_, AxisTreatment::Conservative) => self.flux_with(HarmonicMean { origin }),
+            (_, AxisTreatment::Parshikov) => self.flux_with(NearAxisParshikov { origin, axis_factor }),
+        }
+    }
+
+    fn flux_with<G: Geometry + 'static>(&mut self, geometry: G) -> Box<dyn Stage> {
+        if self.with_shocks() {
+            let slope = self.physics.equation.shock_slope();
+            self.terms::<ShockRecord, _, _>(geometry, Shock { slope })
+        } else if self.reconstructs() {
+            // beta = min(1, 300 |J_r|/C) (method.md, section 10, "Coalescence, later").
+            let sharpness = 300.0 / self.physics.sound_speed.max(self.physics.shifting_speed);
+            self.terms::<DeformationRecord, _, _>(geometry, Limited { sharpness })
+        } else if self.second_row() == Second::Deformation {
+            self.terms::<DeformationRecord, _, _>(geometry, FirstOrder)
+        } else {
+            self.terms::<FlowRecord, _, _>(geometry, FirstOrder)
+        }
+    }
+
+    fn terms<R, G, F>(&mut self, geometry: G, reconstruction: F) -> Box<dyn Stage>
+    where
+        R: FlowState + 'static,
+        G: Geometry + 'static,
+        F: Reconstruction<R> + 'static,
+    {
+        self.wiring.stage("flux");
+        let problem = ContactProblem { geometry, reconstruction };
+        let flow =
+            (DensityRate::new(&mut self.wiring, geometry), PressureRiemann::new(&mut self.wiring, geometry));
+        let moment = (self.with_surface() || self.with_sums() || self.physics.method.kernel_correction)
+            .then(|| MomentMatrix::new(&mut self.wiring));
+        let weight = self.with_surface().then(|| GhostWeight::new(&mut self.wiring, geometry));
+        let sum = self.with_sums().then(|| VelocitySum::new(&mut self.wiring));
+        let theta = self.physics.method.theta;
+        let crowding = (self.shifting() > 0.0).then(|| Crowding::new(&mut self.wiring, theta));
+        let energy = self.with_energy().then(|| EnergyRate::new(&mut self.wiring, geometry));
+        // The sums of most scenes are fused without a question; the rest are options.
+        match (moment, weight, sum) {
+            (Some(moment), Some(weight), Some(sum)) => {
+                pass::<R, _, _, _>(problem, (flow, (moment, weight, sum), (crowding, energy)))
+            }
+            (moment, weight, sum) => {
+                pass::<R, _, _, _>(problem, (flow, (moment, weight, sum), (crowding, energy)))
+            }
+        }
+    }
+}
+
+fn pass<R, G, F, T>(problem: ContactProblem<G, F>, terms: T) -> Box<dyn Stage>
+where
+    R: FlowState + 'static,
+    G: Geometry + 'static,
+    F: Reconstruction<R> + 'static,
+    T: PairTerm<R, Contact> + 'static,
+{
+    Box::new(PairPass::<R, _, _>::new("flux", problem, terms))
+}
