@@ -177,13 +177,13 @@ impl CurvatureColour {
         let (near, boundary, found) = (&self.neighbours, &self.boundary[..], &self.found[..]);
         let (size, tension) = (&size[..], self.settings.surface_tension);
         let slope = |k: usize| {
-            let reach = 3.0 * size[boundary[k] as usize].min(largest);
+            let own = size[boundary[k] as usize].min(largest);
             let there = |member: u32| {
                 let other = near.source(member as usize);
                 let size = size[boundary[other] as usize];
                 (size * size, tension * found[other].curvature)
             };
-            near.slope(k, tension * found[k].curvature, reach, found[k].tangent, there)
+            near.slope(k, tension * found[k].curvature, [3.0 * own, own], found[k].tangent, there)
         };
         self.slopes.clear();
         self.slopes.resize(boundary.len(), [0.0; 2]);

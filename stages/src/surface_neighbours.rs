@@ -61,17 +61,18 @@ impl SurfaceNeighbours {
 
     /// Slope of the pressure along the tangent at a member of known pressure, by weighted least squares over
     /// the members within reach (method.md, section 10, "The surface error, later", T); `there` gives a
-    /// neighbour's area and pressure.
+    /// neighbour's area and pressure. Where the members lie across the surface rather than along it, in
+    /// spray, the slope over a particle's `size` stays below the largest difference of pressure.
     pub fn slope(
         &self,
         member: usize,
         pressure: f64,
-        reach: f64,
+        [reach, size]: [f64; 2],
         tangent: [f64; 2],
         there: impl Fn(u32) -> (f64, f64),
     ) -> [f64; 2] {
         let [r, z] = [self.points[0][member], self.points[1][member]];
-        let (mut upper, mut lower) = (0.0, 0.0);
+        let (mut upper, mut lower, mut largest) = (0.0, 0.0, 0.0_f64);
         let inverse = 1.0 / reach;
         self.bins.near(r, z, reach, |range| {
             for &member in &self.bins.members()[range] {
@@ -83,10 +84,12 @@ impl SurfaceNeighbours {
                     let weight = area * inside * inside * inside;
                     upper += weight * (other - pressure) * along;
                     lower += weight * along * along;
+                    largest = largest.max((other - pressure).abs());
                 }
             }
         });
-        let slope = if lower > 0.0 { upper / lower } else { 0.0 };
+        let most = largest / size;
+        let slope = if lower > 0.0 { (upper / lower).clamp(-most, most) } else { 0.0 };
         [tangent[0] * slope, tangent[1] * slope]
     }
 }

@@ -1,7 +1,7 @@
 //! `meniscus inspect at`: the particles nearest to a place.
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::columns::{Quantity, values};
 use super::failure::{Failure, Verdict};
@@ -56,13 +56,40 @@ pub fn length(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A place: distance from the axis and height along it, m.
+#[derive(Clone, Copy, Debug)]
+pub struct Place {
+    r: f64,
+    z: f64,
+}
+
+/// Reads a place from two lengths with a comma between them.
+pub fn place(text: &str) -> Result<Place, String> {
+    let (r, z) = text
+        .split_once(',')
+        .ok_or_else(|| format!("found `{text}`, expected two lengths with a comma, such as `2.5 um,0`"))?;
+    Ok(Place { r: length(r)?, z: length(z)? })
+}
+
 /// Lists the particles nearest to the place.
 pub fn run(arguments: &Arguments, output: &mut dyn Write) -> Result<Verdict, Failure> {
-    let mapped = open(&arguments.checkpoint)?;
+    let place = Place { r: arguments.r, z: arguments.z };
+    list(&arguments.checkpoint, place, arguments.count, &arguments.choice, output)
+}
+
+/// Lists as many particles as are wanted, the nearest first.
+pub fn list(
+    checkpoint: &Path,
+    place: Place,
+    count: usize,
+    choice: &Choice,
+    output: &mut dyn Write,
+) -> Result<Verdict, Failure> {
+    let mapped = open(checkpoint)?;
     let columns = mapped.columns()?;
     let places = values(&columns, "radius")?.into_iter().zip(values(&columns, "axial")?);
     let mut distances: Vec<(usize, f64)> = places
-        .map(|(r, z)| (r - arguments.r).hypot(z - arguments.z))
+        .map(|(r, z)| (r - place.r).hypot(z - place.z))
         .enumerate()
         .filter(|(_, distance)| distance.is_finite())
         .collect();
@@ -70,13 +97,13 @@ pub fn run(arguments: &Arguments, output: &mut dyn Write) -> Result<Verdict, Fai
         return Err(Failure::NoParticle);
     }
     distances.sort_by(|(_, one), (_, other)| one.total_cmp(other));
-    distances.truncate(arguments.count);
+    distances.truncate(count);
     let (particles, distances) = distances.into_iter().unzip();
     let listing = Listing {
-        caption: format!("nearest to r = {} m, z = {} m:", number(arguments.r), number(arguments.z)),
+        caption: format!("nearest to r = {} m, z = {} m:", number(place.r), number(place.z)),
         particles,
         chosen_by: Some(Quantity { name: "distance".to_owned(), unit: "m".to_owned(), values: distances }),
     };
-    listing.print(&mapped, &columns, &arguments.choice, output)?;
+    listing.print(&mapped, &columns, choice, output)?;
     Ok(Verdict::Good)
 }

@@ -15,6 +15,7 @@ use super::drops::{Neighbourhood, neighbourhood};
 use super::failure::{Failure, Verdict};
 use super::open::{open, scene};
 use super::print::{self, number};
+use super::totals::{Total, totals};
 
 /// Which checkpoint, and how to show it.
 #[derive(clap::Args, Debug)]
@@ -47,14 +48,6 @@ struct Diagnosis {
     crash: Option<String>,
     /// What could not be told, and why.
     missing: Vec<String>,
-}
-
-/// A number about the whole liquid.
-#[derive(Debug, Serialize)]
-struct Total {
-    name: String,
-    unit: String,
-    value: f64,
 }
 
 /// How long a step a stage allows.
@@ -187,25 +180,4 @@ impl Diagnosis {
         }
         Ok(())
     }
-}
-
-/// Sums over the columns, as far as they are there.
-fn totals(columns: &[ColumnView<'_>]) -> Vec<Total> {
-    let column = |name| column(columns, name);
-    let mut totals = Vec::new();
-    let mut add = |name: &str, unit: &str, value| {
-        totals.push(Total { name: name.to_owned(), unit: unit.to_owned(), value });
-    };
-    let Some(mass) = column("mass") else {
-        return totals;
-    };
-    add("mass", "kg", mass.values().sum());
-    if let (Some(radial), Some(axial)) = (column("velocity_r"), column("velocity_z")) {
-        let momenta = mass.values().zip(axial.values());
-        add("momentum z", "kg m/s", momenta.map(|(m, z)| m * z).sum());
-        let motions = mass.values().zip(radial.values().zip(axial.values()));
-        let energies = motions.map(|(m, (r, z))| 0.5 * m * (r * r + z * z));
-        add("kinetic energy", "J", energies.sum());
-    }
-    totals
 }

@@ -1,14 +1,14 @@
 //! `meniscus inspect fields`: numbers that sum up every field.
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use meniscus_engine::checkpoint::{ColumnView, Mapped, Role};
+use meniscus_engine::checkpoint::{CheckpointError, ColumnView, Mapped, Role};
 use serde::Serialize;
 
 use super::columns::column;
 use super::failure::{Failure, Verdict, known};
-use super::open::newest;
+use super::open::open;
 use super::print::{self, number};
 use super::statistics::{Gathering, Histogram, Statistics};
 
@@ -61,25 +61,35 @@ struct Spot {
 
 /// Prints statistics of the chosen fields.
 pub fn run(arguments: &Arguments, output: &mut dyn Write) -> Result<Verdict, Failure> {
-    let mapped = Mapped::open(&newest(&arguments.checkpoint)?)?;
-    mapped.verify()?;
-    let columns = mapped.columns()?;
-    let chosen = choose(&columns, &arguments.fields)?;
-    let with_histogram = !arguments.fields.is_empty();
-    let fields = chosen.iter().map(|column| field(&mapped, &columns, column, with_histogram));
-    let fields = fields.collect::<Result<Vec<_>, _>>()?;
+    if arguments.csv {
+        return records(&arguments.checkpoint, &arguments.fields, output);
+    }
+    let fields = gather(&arguments.checkpoint, &arguments.fields)?;
     if arguments.json {
         print::json(&fields, output)?;
-    } else if arguments.csv {
-        print::records(records(&fields), output)?;
     } else {
         text(&fields, output)?;
     }
     Ok(Verdict::Good)
 }
 
+/// Prints statistics of the fields of these names, or of all where no name is given, as
+/// comma-separated values.
+pub fn records(checkpoint: &Path, names: &[String], output: &mut dyn Write) -> Result<Verdict, Failure> {
+    print::records(table(&gather(checkpoint, names)?), output)?;
+    Ok(Verdict::Good)
+}
+
+fn gather(checkpoint: &Path, names: &[String]) -> Result<Vec<Field>, Failure> {
+    let mapped = open(checkpoint)?;
+    let columns = mapped.columns()?;
+    let chosen = choose(&columns, names)?;
+    let with_histogram = !names.is_empty();
+    chosen.iter().map(|column| field(&mapped, &columns, column, with_histogram)).collect()
+}
+
 /// The columns of these names, or all where no name is given.
-fn choose<'a>(columns: &[ColumnView<'a>], names: &[String]) -> Result<Vec<ColumnView<'a>>, Failure> {
+pub fn choose<'a>(columns: &[ColumnView<'a>], names: &[String]) -> Result<Vec<ColumnView<'a>>, Failure> {
     if names.is_empty() {
         return Ok(columns.to_vec());
     }
@@ -90,14 +100,20 @@ fn choose<'a>(columns: &[ColumnView<'a>], names: &[String]) -> Result<Vec<Column
     chosen.collect()
 }
 
+/// What all values of a column amount to.
+pub fn gathered(mapped: &Mapped, of: &ColumnView<'_>) -> Result<Gathering, CheckpointError> {
+    let mut gathering = Gathering::default();
+    mapped.stream(of, |values| gathering.add(values))?;
+    Ok(gathering)
+}
+
 fn field(
     mapped: &Mapped,
     columns: &[ColumnView<'_>],
     of: &ColumnView<'_>,
     with_histogram: bool,
 ) -> Result<Field, Failure> {
-    let mut gathering = Gathering::default();
-    mapped.stream(of, |values| gathering.add(values))?;
+    let gathering = gathered(mapped, of)?;
     let statistics = gathering.statistics();
     let histogram = match with_histogram {
         false => None,
@@ -134,7 +150,7 @@ pub fn role(role: Role) -> &'static str {
     }
 }
 
-fn records(fields: &[Field]) -> Vec<Vec<String>> {
+fn table(fields: &[Field]) -> Vec<Vec<String>> {
     let head = [
         "name",
         "symbol",

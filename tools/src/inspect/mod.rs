@@ -21,6 +21,7 @@ mod summary;
 #[cfg(test)]
 mod tests;
 mod top;
+mod totals;
 mod verify;
 mod wanted;
 
@@ -33,9 +34,11 @@ use failure::{Failure, Verdict};
 const EXAMPLES: &str = "\
 Examples:
   meniscus inspect runs/drop                              the newest checkpoint of a run
+  meniscus inspect runs/drop --field density --json       one field of it, for scripts
+  meniscus inspect runs/drop --at '2 um,0'                the particle nearest to r = 2 um, z = 0
   meniscus inspect fields runs/drop density               statistics, histogram, places of the extremes
   meniscus inspect diagnose runs/drop                     energies, drops, neighbours, time step
-  meniscus inspect at runs/drop '2 um' 0                  the particle nearest to r = 2 um, z = 0
+  meniscus inspect at runs/drop '2 um' 0 --count 5        the five particles nearest to a place
   meniscus inspect top runs/drop speed                    the fastest particles
   meniscus inspect where runs/drop 'density < 990 kg/m3'  the particles that are thin
   meniscus inspect render runs/drop speed speed.png       a picture
@@ -59,9 +62,18 @@ pub struct Arguments {
     /// A checkpoint, or the folder of a run: then its newest checkpoint
     #[arg(required = true)]
     checkpoint: Option<PathBuf>,
+    /// Show this field alone; may be given several times
+    #[arg(long = "field", value_name = "NAME")]
+    fields: Vec<String>,
+    /// Show the particle nearest to a place, in metres or with units: '2 um,0'
+    #[arg(long, value_name = "R,Z", value_parser = at::place, allow_hyphen_values = true)]
+    at: Option<at::Place>,
     /// Print JSON
-    #[arg(long)]
+    #[arg(long, conflicts_with = "csv")]
     json: bool,
+    /// Print comma-separated values: a line for each field, or the particle of --at
+    #[arg(long)]
+    csv: bool,
 }
 
 #[derive(clap::Subcommand, Debug)]
@@ -116,7 +128,15 @@ fn execute(arguments: &Arguments, output: &mut dyn Write) -> Result<Verdict, Fai
         Some(Action::Export(arguments)) => export::run(arguments, output),
         None => {
             let path = arguments.checkpoint.as_deref().ok_or(Failure::NothingNamed)?;
-            summary::run(path, arguments.json, output)
+            let (names, json, csv) = (&arguments.fields, arguments.json, arguments.csv);
+            match arguments.at {
+                Some(place) => {
+                    let choice = listing::Choice { fields: names.clone(), json, csv };
+                    at::list(path, place, 1, &choice, output)
+                }
+                None if csv => fields::records(path, names, output),
+                None => summary::run(path, names, json, output),
+            }
         }
     }
 }

@@ -29,23 +29,13 @@ pub fn records(records: Vec<Vec<String>>, output: &mut dyn Write) -> io::Result<
 
 /// A plain table: the first column to the left, the others to the right.
 pub fn table(head: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
-    let mut table = plain(head, rows);
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING).set_header(head.to_vec());
+    table.add_rows(rows);
     for column in table.column_iter_mut().skip(1) {
         column.set_cell_alignment(CellAlignment::Right);
     }
     table.trim_fmt()
-}
-
-/// A plain table of words.
-pub fn left_table(head: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
-    plain(head, rows).trim_fmt()
-}
-
-fn plain(head: &[&str], rows: impl Iterator<Item = Vec<String>>) -> Table {
-    let mut table = Table::new();
-    table.load_style(presets::NOTHING).set_header(head.to_vec());
-    table.add_rows(rows);
-    table
 }
 
 /// Prints the bars of a histogram.

@@ -6,16 +6,18 @@ use std::path::Path;
 
 use meniscus_cases::assemble::{Physics, assemble};
 use meniscus_cases::scene::Scene;
-use meniscus_engine::checkpoint::{CheckpointError, Mapped};
+use meniscus_engine::checkpoint::Mapped;
 use serde::Serialize;
 
 use super::around;
 use super::failure::{Failure, Verdict};
-use super::fields::role;
+use super::fields::{choose, gathered, role};
 use super::open::{self, newest};
 use super::print::{self, number};
+use super::statistics::Statistics;
+use super::totals::{Total, totals};
 
-/// Files up to this length are checked as a whole before they are summed up, bytes.
+/// Files up to this length are read as a whole: checked, and their fields summed up; bytes.
 const CHECKED_AT_ONCE: u64 = 64 << 20;
 
 /// What stands in a checkpoint. The names of the entries are those of the JSON output.
@@ -45,6 +47,8 @@ struct Summary {
     /// None where the columns are damaged.
     particles: Option<usize>,
     fields: Vec<Field>,
+    /// Sums over all particles, where the columns were read.
+    totals: Vec<Total>,
     /// The stages of a step, in their order; empty where this release cannot read the scene.
     stages: Vec<&'static str>,
     /// Why the run broke down, if it did.
@@ -57,13 +61,23 @@ struct Field {
     unit: String,
     role: &'static str,
     about: String,
+    /// None where the column was not read.
+    #[serde(flatten)]
+    statistics: Option<Statistics>,
 }
 
-/// Sums up a checkpoint. Where only its columns are damaged, what the header and clock tell is printed
+/// Sums up a checkpoint: the fields of these names, or all where no name is given. Where only its columns are damaged, what the header and clock tell is printed
 /// all the same, and then the damage.
-pub fn run(path: &Path, as_json: bool, output: &mut dyn Write) -> Result<Verdict, Failure> {
+pub fn run(path: &Path, names: &[String], as_json: bool, output: &mut dyn Write) -> Result<Verdict, Failure> {
     let mapped = Mapped::open(&newest(path)?)?;
-    let (summary, damage) = take(&mapped);
+    let mut summary = head(&mapped);
+    let damage = match columns(&mapped, names, &mut summary) {
+        Err(Failure::Checkpoint(damage)) => Some(damage),
+        other => other.map(|()| None)?,
+    };
+    if damage.is_some() {
+        summary.whole = Some(false);
+    }
     if as_json {
         print::json(&summary, output)?;
     } else {
@@ -72,10 +86,11 @@ pub fn run(path: &Path, as_json: bool, output: &mut dyn Write) -> Result<Verdict
     damage.map_or(Ok(Verdict::Good), |error| Err(error.into()))
 }
 
-fn take(mapped: &Mapped) -> (Summary, Option<CheckpointError>) {
+/// What header, clock and scene tell.
+fn head(mapped: &Mapped) -> Summary {
     let clock = mapped.clock();
     let scene = open::scene(mapped);
-    let mut summary = Summary {
+    Summary {
         file: mapped.path().display().to_string(),
         title: scene.as_ref().map(|scene| scene.title.clone()).or_else(|| title(mapped.scene())),
         scene_hash: format!("{:016x}", mapped.scene_hash()),
@@ -91,32 +106,39 @@ fn take(mapped: &Mapped) -> (Summary, Option<CheckpointError>) {
         whole: None,
         particles: None,
         fields: Vec::new(),
+        totals: Vec::new(),
         stages: scene.as_ref().map(stages).unwrap_or_default(),
         crash: None,
-    };
-    let checked = match mapped.file_length() > CHECKED_AT_ONCE {
-        true => Ok(None),
-        false => mapped.verify().map(|()| Some(true)),
-    };
-    match checked.and_then(|whole| Ok((whole, mapped.columns()?))) {
-        Ok((whole, columns)) => {
-            summary.whole = whole;
-            summary.particles = Some(open::particles(&columns));
-            let field = |column: &meniscus_engine::checkpoint::ColumnView<'_>| Field {
-                name: column.name().to_owned(),
-                unit: column.unit().to_owned(),
-                role: role(column.role()),
-                about: column.about().to_owned(),
-            };
-            summary.fields = columns.iter().map(field).collect();
-            summary.crash = around::explain(clock, &columns, scene.as_ref());
-            (summary, None)
-        }
-        Err(error) => {
-            summary.whole = Some(false);
-            (summary, Some(error))
-        }
     }
+}
+
+/// What the columns tell. Those of a long file are read only where they are asked for by name.
+fn columns(mapped: &Mapped, names: &[String], summary: &mut Summary) -> Result<(), Failure> {
+    let short = mapped.file_length() <= CHECKED_AT_ONCE;
+    if short || !names.is_empty() {
+        mapped.verify()?;
+        summary.whole = Some(true);
+    }
+    let columns = mapped.columns()?;
+    summary.particles = Some(open::particles(&columns));
+    for column in choose(&columns, names)? {
+        let statistics = match summary.whole {
+            Some(true) => Some(gathered(mapped, &column)?.statistics()),
+            _ => None,
+        };
+        summary.fields.push(Field {
+            name: column.name().to_owned(),
+            unit: column.unit().to_owned(),
+            role: role(column.role()),
+            about: column.about().to_owned(),
+            statistics,
+        });
+    }
+    if short {
+        summary.totals = totals(&columns);
+    }
+    summary.crash = around::explain(mapped.clock(), &columns, open::scene(mapped).as_ref());
+    Ok(())
 }
 
 /// The title of a scene that this release may not understand.
@@ -159,11 +181,26 @@ fn text(summary: &Summary, output: &mut dyn Write) -> io::Result<()> {
     if let Some(crash) = &summary.crash {
         writeln!(output, "BROKE DOWN  {crash}")?;
     }
-    if !summary.fields.is_empty() {
-        let rows = summary.fields.iter().map(|field| {
-            vec![field.name.clone(), field.unit.clone(), field.role.to_owned(), field.about.clone()]
-        });
-        writeln!(output, "\n{}", print::left_table(&["field", "unit", "role", "about"], rows))?;
+    for total in &summary.totals {
+        writeln!(output, "{:<11} {} {}", total.name, number(total.value), total.unit)?;
+    }
+    if summary.fields.is_empty() {
+        return Ok(());
+    }
+    let optional = |value: Option<f64>| value.map_or("-".to_owned(), number);
+    let rows = summary.fields.iter().map(|field| {
+        let of = field.statistics.unwrap_or_default();
+        let numbers = [of.minimum, of.maximum, of.mean].map(optional);
+        let non_finite = field.statistics.map_or("-".to_owned(), |of| of.non_finite.to_string());
+        let mut row = vec![field.name.clone(), field.unit.clone()];
+        row.extend(numbers);
+        row.extend([non_finite, field.role.to_owned()]);
+        row
+    });
+    let head = ["field", "unit", "minimum", "maximum", "mean", "non-finite", "role"];
+    writeln!(output, "\n{}", print::table(&head, rows))?;
+    if summary.whole.is_none() {
+        writeln!(output, "\n`inspect fields` reads the columns of a file as long as this one")?;
     }
     Ok(())
 }

@@ -85,6 +85,8 @@ fn all_forms_of_the_command_are_understood() {
     for right in [
         &["file"][..],
         &["file", "--json"],
+        &["file", "--field", "a", "--field", "b", "--csv"],
+        &["file", "--at", "-1 um,2", "--json"],
         &["fields", "file", "a", "b", "--csv"],
         &["at", "file", "-1 um", "2", "--count", "3", "--fields", "a,b"],
         &["top", "file", "speed", "--smallest"],
@@ -99,6 +101,8 @@ fn all_forms_of_the_command_are_understood() {
     }
     for wrong in [
         &[][..],
+        &["file", "--json", "--csv"],
+        &["file", "--at", "1"],
         &["fields", "file", "--json", "--csv"],
         &["at", "file", "1"],
         &["at", "file", "1 km", "2"],
@@ -125,12 +129,41 @@ fn a_run_folder_shows_its_newest_checkpoint() {
         "particles   4",
         "revision    0123abc, format 1",
         "checksums   good",
-        "The velocity_z.",
+        "mass        8 kg",
+        "momentum z  4 kg m/s",
+        "kinetic energy 34 J",
     ] {
         assert!(output.contains(part), "no `{part}` in\n{output}");
     }
+    let words = |name: &str| -> Vec<String> {
+        let line = output.lines().find(|line| line.trim_start().starts_with(name));
+        line.unwrap().split_whitespace().map(str::to_owned).collect()
+    };
+    assert_eq!(words("density "), ["density", "kg/m3", "998", "1000", "999", "1", "state"]);
     let inner = file.parent().unwrap();
     assert_eq!(good(&[text(inner)]), output);
+}
+
+#[test]
+fn one_field_and_one_place_are_shown_to_scripts() {
+    let (_folder, run, _) = run_folder();
+    let json: serde_json::Value =
+        serde_json::from_str(&good(&[&run, "--field", "density", "--field", "axial", "--json"])).unwrap();
+    let fields = json["fields"].as_array().unwrap();
+    assert_eq!(fields.len(), 2);
+    assert_eq!((&fields[0]["name"], &fields[0]["mean"]), (&"density".into(), &999.0.into()));
+    assert_eq!(fields[0]["non_finite"], 1);
+    assert_eq!(json["totals"][1]["value"], 4.0);
+    let csv = good(&[&run, "--field", "axial", "--csv"]);
+    assert!(csv.lines().nth(1).unwrap().starts_with("axial,a,m,state,0.0,3e-6,"), "{csv}");
+    assert_eq!(csv.lines().count(), 2);
+    assert_eq!(good(&[&run, "--csv"]).lines().count(), 8);
+    let json: serde_json::Value =
+        serde_json::from_str(&good(&[&run, "--at", "0,2.2um", "--field", "mass", "--json"])).unwrap();
+    assert_eq!(json["particles"][0]["particle"], 12);
+    assert_eq!(json["particles"][0]["mass"], 2.0);
+    let message = inspect(&[&run, "--field", "pressure"]).1.unwrap_err().to_string();
+    assert!(message.contains("`pressure`") && message.contains("`density`"));
 }
 
 #[test]
