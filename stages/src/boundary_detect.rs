@@ -33,6 +33,10 @@ pub struct ColourGuard {
 /// for is not deep inside: the guard needn't look.
 const SHALLOW: f64 = 0.8;
 
+/// Nor can a particle lie at the surface from which the colour falls to one half only beyond so many
+/// particle sizes: where the packing is thin the colour is low, but flat.
+const FAR: f64 = 2.5;
+
 /// The stage.
 pub struct BoundaryDetect {
     packing: Packing,
@@ -121,7 +125,12 @@ impl BoundaryDetect {
                 *known = (doubtful[start + k], look.at(r[i], z[i], support));
             }
         });
-        let deep = known.iter().filter(|(_, colour)| colour.value > guard.highest);
+        let is_deep = |(i, colour): &&(u32, Colour)| {
+            let reach = FAR * size[*i as usize].min(largest);
+            let steepness = colour.gradient[0].hypot(colour.gradient[1]);
+            colour.value > guard.highest || colour.value - 0.5 > reach * steepness
+        };
+        let deep = known.iter().filter(is_deep);
         self.refused.extend(deep.map(|(particle, _)| *particle));
         field.known = known;
     }
