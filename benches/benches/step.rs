@@ -1,35 +1,56 @@
-//! The cost of the flux pass and of the whole step, per particle: `cargo bench -p meniscus-benches`.
+//! The whole step from ten thousand particles on, and each stage in the course of such steps, on one thread:
+//! `cargo bench -p meniscus-benches --bench step`.
 //!
-//! One thread, the oscillating drop with everything on; throughput is in particles, so that criterion's
-//! "thrpt" is particles per second: 10 Melem/s are 100 ns per particle and step.
+//! Throughput is in particles: 10 Melem/s are 100 ns per particle and step. With `MENISCUS_MILLION` set in the
+//! environment a million particles are measured, too; filling that drop takes minutes.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use meniscus_benches::drop_in_motion;
-use rayon::ThreadPoolBuilder;
+use meniscus_benches::{advance, drop_of, drop_scene, one_thread, start};
+use meniscus_cases::simulation::Simulation;
+use std::time::Duration;
 
-fn step(criterion: &mut Criterion) {
-    let pool = ThreadPoolBuilder::new().num_threads(1).build().expect("one thread can be had");
-    let variants = [
-        ("defaults", "71.4 nm", "paper=false"),
-        ("defaults", "35.7 nm", "paper=false"),
-        ("paper", "35.7 nm", "paper=true"),
-    ];
-    for (name, size, choices) in variants {
-        let mut simulation = drop_in_motion(&[&format!("particle_size={size}"), choices]);
-        let particles = simulation.world.store.len() as u64;
-        let mut group = criterion.benchmark_group(name);
-        group.throughput(Throughput::Elements(particles));
-        group.bench_function(BenchmarkId::new("whole step", particles), |bencher| {
-            pool.install(|| bencher.iter(|| simulation.step().expect("the drop is stable")));
+fn whole_step(criterion: &mut Criterion) {
+    let pool = one_thread();
+    let million = std::env::var_os("MENISCUS_MILLION").map(|_| 1_000_000);
+    let mut group = criterion.benchmark_group("whole step");
+    group.sample_size(20);
+    for particles in [10_000, 100_000].into_iter().chain(million) {
+        let mut simulation = pool.install(|| start(&drop_of(particles)));
+        group.throughput(Throughput::Elements(simulation.world.store.len() as u64));
+        group.bench_function(BenchmarkId::from_parameter(particles), |bencher| {
+            pool.install(|| bencher.iter(|| advance(&mut simulation, 1)));
         });
-        for stage in ["sort-bin", "equation-of-state", "flux"] {
-            group.bench_function(BenchmarkId::new(stage, particles), |bencher| {
-                pool.install(|| bencher.iter(|| simulation.run_stage(stage).expect("the drop is stable")));
+    }
+    group.finish();
+}
+
+fn stages(criterion: &mut Criterion) {
+    let pool = one_thread();
+    for (name, choices) in [("stages", "paper=false"), ("stages of the paper's method", "paper=true")] {
+        let mut simulation = start(&drop_scene(&["particle_size=35.7 nm", choices]));
+        let mut group = criterion.benchmark_group(name);
+        group.sample_size(10).warm_up_time(Duration::from_millis(500));
+        group.measurement_time(Duration::from_secs(2));
+        group.throughput(Throughput::Elements(simulation.world.store.len() as u64));
+        let stages: Vec<&'static str> = simulation.costs().iter().map(|cost| cost.stage).collect();
+        for stage in stages {
+            // A stage is timed where it belongs, between its neighbours: alone it would find its data in
+            // the caches, and the curvature, which rests in most steps, would always or never work.
+            group.bench_function(stage, |bencher| {
+                bencher.iter_custom(|steps| {
+                    let before = time_in(&simulation, stage);
+                    pool.install(|| advance(&mut simulation, steps));
+                    time_in(&simulation, stage) - before
+                });
             });
         }
         group.finish();
     }
 }
 
-criterion_group!(benches, step);
+fn time_in(simulation: &Simulation, stage: &str) -> Duration {
+    simulation.costs().iter().filter(|cost| cost.stage == stage).map(|cost| cost.time).sum()
+}
+
+criterion_group!(benches, whole_step, stages);
 criterion_main!(benches);

@@ -1,17 +1,60 @@
-//! What the benchmarks share: a drop in motion.
+//! What the benchmarks share: scenes without settling, and the one thread on which they run.
 
-use meniscus_cases::scene;
+pub mod physics;
+
+use meniscus_cases::scene::{self, Scene};
 use meniscus_cases::simulation::Simulation;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 
-const SCENE: &str = include_str!("../../cases/oscillating-drop/scene.toml");
+const DROP: &str = include_str!("../../cases/oscillating-drop/scene.toml");
 
-/// The oscillating drop of water, 2.5 um in radius, ready to step; it hasn't settled.
+/// The repository's oscillating drop of water, 2.5 um in radius, with settings (`key=value`).
 ///
 /// # Panics
-/// If the scene of the repository can't be read.
-pub fn drop_in_motion(settings: &[&str]) -> Simulation {
-    let mut settings: Vec<String> = settings.iter().map(ToString::to_string).collect();
-    settings.push("particles.settle=0".to_string());
-    let scene = scene::parse("oscillating-drop", SCENE, &settings).expect("the repository's scene is valid");
-    Simulation::new(&scene, &mut |_, _| {}).expect("the repository's scene starts")
+/// If the scene has a mistake.
+pub fn drop_scene(settings: &[&str]) -> Scene {
+    read(DROP, settings)
+}
+
+/// A drop of about so many particles.
+///
+/// # Panics
+/// If the scene has a mistake.
+pub fn drop_of(particles: u64) -> Scene {
+    // They fill half a circle.
+    let resolution = (2.0 * particles as f64 / std::f64::consts::PI).sqrt();
+    drop_scene(&[&format!("particle_size=radius/{resolution}")])
+}
+
+/// A scene from its text, with settings (`key=value`); its particles don't settle.
+fn read(text: &str, settings: &[&str]) -> Scene {
+    let unsettled = ["particles.settle=0"];
+    let settings: Vec<String> = settings.iter().chain(&unsettled).map(ToString::to_string).collect();
+    scene::parse("scene.toml", text, &settings).unwrap_or_else(|diagnosis| panic!("{diagnosis}"))
+}
+
+/// A scene filled with particles and ready to step.
+///
+/// # Panics
+/// If it can't be started.
+pub fn start(scene: &Scene) -> Simulation {
+    Simulation::new(scene, &mut |_, _| {}).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Takes steps.
+///
+/// # Panics
+/// At the first fault.
+pub fn advance(simulation: &mut Simulation, steps: u64) {
+    for _ in 0..steps {
+        simulation.step().unwrap_or_else(|fault| panic!("{fault}"));
+    }
+}
+
+/// The thread on which everything is measured.
+///
+/// # Panics
+/// If the system refuses it.
+pub fn one_thread() -> ThreadPool {
+    ThreadPoolBuilder::new().num_threads(1).build().expect("the system has one more thread")
 }
