@@ -58,3 +58,11 @@ pub fn advance(simulation: &mut Simulation, steps: u64) {
 pub fn one_thread() -> ThreadPool {
     ThreadPoolBuilder::new().num_threads(1).build().expect("the system has one more thread")
 }
+
+/// The numbers below `count` in an order of no order, always the same.
+pub fn shuffled(count: usize) -> Vec<u32> {
+    let mut order: Vec<u32> = (0..count as u32).collect();
+    // Multiplication by an odd number permutes the numbers of 32 bits.
+    order.sort_unstable_by_key(|number| number.wrapping_mul(0x9e37_79b1).swap_bytes());
+    order
+}

@@ -73,8 +73,8 @@ pub fn physics(method: Method) -> Physics {
 pub fn medium(physics: &Physics) -> Medium {
     let method = &physics.method;
     Medium {
-        sound_speed: SOUND_SPEED,
-        rest_density: DENSITY,
+        sound_speed: physics.sound_speed,
+        rest_density: physics.reference_density,
         theta: method.theta,
         largest_size: 2.0 * physics.particle_size,
         origin: physics.domain.origin,

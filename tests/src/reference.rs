@@ -129,18 +129,29 @@ impl Medium {
     }
 
     fn sums_of(&self, particles: &[Particle], index: usize) -> Sums {
+        let shifts = self.shifts();
+        let copies = |other: usize| {
+            shifts.iter().flat_map(move |&shift| [false, true].map(|mirrored| (other, shift, mirrored)))
+        };
+        self.sums_over(particles, index, (0..particles.len()).flat_map(copies))
+    }
+
+    /// The sums of one particle over candidates, each with its shift along z and whether it is mirrored; those
+    /// out of reach and the particle itself add nothing.
+    pub fn sums_over(
+        &self,
+        particles: &[Particle],
+        index: usize,
+        candidates: impl Iterator<Item = (usize, f64, bool)>,
+    ) -> Sums {
         let a = &particles[index];
         let mut sums = Sums::default();
-        for (other, b) in particles.iter().enumerate() {
-            for shift in self.shifts() {
-                for mirrored in [false, true] {
-                    let itself = other == index && shift == 0.0 && !mirrored;
-                    let b = self.image(b, shift, mirrored);
-                    let inside = distance(a, &b) < self.support(a, &b);
-                    if inside && !itself {
-                        self.add_pair(a, &b, mirrored, &mut sums);
-                    }
-                }
+        for (other, shift, mirrored) in candidates {
+            let itself = other == index && shift == 0.0 && !mirrored;
+            let b = self.image(&particles[other], shift, mirrored);
+            let inside = distance(a, &b) < self.support(a, &b);
+            if inside && !itself {
+                self.add_pair(a, &b, mirrored, &mut sums);
             }
         }
         let radius = self.radius(a);
