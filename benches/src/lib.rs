@@ -1,5 +1,7 @@
 //! What the benchmarks share: scenes without settling, and the one thread on which they run.
 
+pub mod budget;
+pub mod callgrind;
 pub mod physics;
 
 use meniscus_cases::scene::{self, Scene};
