@@ -159,6 +159,11 @@ impl NeighbourList {
         self.counts.iter().map(|&count| u64::from(count)).sum()
     }
 
+    /// Entries of all blocks, with those that fill up short lists: what a pair pass evaluates.
+    pub fn slots(&self) -> usize {
+        self.entries.len() * WIDTH
+    }
+
     /// The interleaved entries of the eight particles from `8 * block` on.
     #[inline]
     pub fn block(&self, block: usize) -> &[[u32; WIDTH]] {
@@ -231,6 +236,7 @@ fn fill_blocks(
         );
         return;
     }
+    let _span = parallel::chunk_span();
     for start in (first..last).step_by(WIDTH) {
         let block = start / WIDTH;
         let range = block_start[block] as usize - offset..block_start[block + 1] as usize - offset;

@@ -13,7 +13,7 @@
 use crate::lanes::{HalfRow, Lanes, Row, WIDTH};
 use crate::neighbours::NeighbourList;
 use crate::parallel;
-use crate::pipeline::{Fault, Stage, World};
+use crate::pipeline::{Fault, PairWork, Stage, World};
 use crate::store::Write;
 use arrayvec::ArrayVec;
 use atomic_refcell::AtomicRefMut;
@@ -247,6 +247,20 @@ where
 {
     fn name(&self) -> &'static str {
         self.name
+    }
+
+    /// ```text
+    /// bytes = pairs * (index + rows of b) + particles * (rows of a + 8 * columns)
+    /// ```
+    /// An index takes 4 bytes, the rows of a particle 64, or 96 where the record has a second one.
+    fn pair_work(&self, world: &World) -> PairWork {
+        let mut columns = Columns::new();
+        self.terms.outputs(&mut columns);
+        let rows = size_of::<Row>() + if R::SECOND { size_of::<HalfRow>() } else { 0 };
+        let written = size_of::<f64>() * columns.iter().flatten().count();
+        let (pairs, particles) = (world.neighbours.slots(), world.neighbours.len());
+        let bytes = pairs * (size_of::<u32>() + rows) + particles * (rows + written);
+        PairWork { pairs: pairs as u64, bytes: bytes as u64 }
     }
 
     fn run(&mut self, world: &mut World) -> Result<(), Fault> {

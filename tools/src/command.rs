@@ -21,6 +21,7 @@ Examples:
   meniscus run drop.toml --set radius='15 um' --out runs/large
   meniscus run drop.toml --set method.scheme=parshikov --threads 4
   meniscus run drop.toml --steps 100 --overwrite
+  meniscus run drop.toml --profile                           speeds of all stages, and a trace
 
 Ctrl-C stops after a checkpoint, SIGUSR1 writes one and goes on.
 Exit codes: 0 done; 1 blew up; 2 bad input; 130 interrupted after a clean checkpoint.";
@@ -87,6 +88,10 @@ pub(crate) struct RunArguments {
     /// Replace an earlier run in the folder
     #[arg(long)]
     pub(crate) overwrite: bool,
+    /// Tell how fast each stage is and how evenly its threads are busy; trace the first 200 steps and every
+    /// 1000th into profile.json (15 MB at most), which https://ui.perfetto.dev opens
+    #[arg(long)]
+    pub(crate) profile: bool,
     #[command(flatten)]
     pub(crate) extent: Extent,
 }

@@ -29,6 +29,9 @@ pub(super) struct Recorder<'a> {
     pub(super) cost: Stopwatch,
 }
 
+/// What the costs call all that a recorder does.
+pub(super) const OUTPUTS: &str = "outputs";
+
 /// Steps between two observations where the scene wants no series: its measures still need them.
 const OBSERVED: u64 = 10;
 
@@ -93,6 +96,7 @@ impl<'a> Recorder<'a> {
 
     /// Writes what is due at the present step: the start or the end of one.
     pub(super) fn record(&mut self, simulation: &Simulation) -> Result<(), Failure> {
+        let _span = tracing::info_span!("stage", name = OUTPUTS).entered();
         let mut cost = self.cost;
         let done = cost.time(|| self.write_due(simulation));
         self.cost = cost;

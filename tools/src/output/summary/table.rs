@@ -2,9 +2,9 @@
 
 use std::io::{self, Write};
 
-use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
+use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, Table, presets};
 
-use super::{Measure, StageCost, Status, Summary};
+use super::{Measure, PairSpeed, Profile, StageCost, StageProfile, Status, Summary};
 use crate::output::units::{duration, grouped, quantity, significant};
 
 /// Widest line of the printed tables.
@@ -49,7 +49,9 @@ pub fn print_table(summary: &Summary, out: &mut impl Write) -> io::Result<()> {
         duration(summary.wall_seconds),
         duration(summary.cpu_seconds),
     )?;
-    if !summary.stages.is_empty() {
+    if let Some(profile) = &summary.profile {
+        writeln!(out, "{}", profile_table(profile))?;
+    } else if !summary.stages.is_empty() {
         writeln!(out, "{}", stages_table(summary))?;
     }
     if !summary.step_bounds.is_empty() {
@@ -96,6 +98,33 @@ fn stages_table(summary: &Summary) -> Table {
             quantity(stage.seconds / particle_steps, "s", 3),
             format!("{:5.1} % {bar:<20}", stage.share * 100.0),
         ]);
+    }
+    align(table)
+}
+
+fn profile_table(profile: &Profile) -> Table {
+    let heads =
+        ["stage", "elapsed", "share", "per particle and step", "imbalance", "pairs", "pairs/ns", "GB/s"];
+    let mut table = table(heads);
+    let mut stages: Vec<&StageProfile> = profile.stages.iter().collect();
+    stages.sort_by(|a, b| b.seconds.total_cmp(&a.seconds));
+    for stage in stages {
+        let number = |value: Option<f64>| value.map_or_else(String::new, |value| significant(value, 3));
+        let pairs = |of: fn(&PairSpeed) -> f64| number(stage.pairs.as_ref().map(of));
+        table.add_row([
+            stage.name.clone(),
+            duration(stage.seconds),
+            format!("{:.1} %", stage.share * 100.0),
+            quantity(stage.ns_per_particle_step * 1e-9, "s", 3),
+            number(stage.imbalance),
+            pairs(|pairs| pairs.per_particle_step),
+            pairs(|pairs| pairs.per_nanosecond),
+            pairs(|pairs| pairs.gigabytes_per_second),
+        ]);
+    }
+    // Numbers may have long headings, names stay whole.
+    if let Some(names) = table.column_mut(0) {
+        names.set_constraint(ColumnConstraint::ContentWidth);
     }
     align(table)
 }
