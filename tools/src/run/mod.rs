@@ -28,8 +28,10 @@ use crate::output::progress::Progress;
 use crate::output::summary::{Status, Summary, print_table};
 use crate::output::units::{grouped, quantity};
 use crate::plan::sound_speed_sentence;
+pub(crate) use frames::rehearse_picture;
 use profile::Profiler;
 use recorder::Recorder;
+pub(crate) use recorder::observed_every;
 pub(crate) use resume::resume;
 pub(crate) use signals::{INTERRUPTED, Signals};
 use stopwatch::{Moment, Stopwatch};
@@ -287,6 +289,6 @@ pub(crate) fn settling_time(scene: &Scene) -> f64 {
 
 /// Whether the scene's end is reached, after a number of steps and at a time in s. The last step isn't
 /// cut: outputs never change the motion.
-fn is_over(scene: &Scene, step: u64, time: f64) -> bool {
+pub(crate) fn is_over(scene: &Scene, step: u64, time: f64) -> bool {
     time >= scene.until || scene.steps.is_some_and(|steps| step >= steps)
 }

@@ -32,8 +32,13 @@ pub(super) struct Recorder<'a> {
 /// What the costs call all that a recorder does.
 pub(super) const OUTPUTS: &str = "outputs";
 
-/// Steps between two observations where the scene wants no series: its measures still need them.
-const OBSERVED: u64 = 10;
+/// Steps between two observations. Where the scene wants no series its measures still need them.
+pub(crate) fn observed_every(scene: &Scene) -> u64 {
+    match scene.output.series_every {
+        0 => 10,
+        every => every,
+    }
+}
 
 impl<'a> Recorder<'a> {
     /// A recorder of a new run.
@@ -105,11 +110,7 @@ impl<'a> Recorder<'a> {
 
     fn write_due(&mut self, simulation: &Simulation) -> Result<(), Failure> {
         let step = simulation.world.clock.step;
-        let every = match self.scene.output.series_every {
-            0 => OBSERVED,
-            every => every,
-        };
-        if step.is_multiple_of(every) {
+        if step.is_multiple_of(observed_every(self.scene)) {
             let row = self.observer.observe(simulation);
             if let Some(series) = &mut self.series {
                 series.append(step, &row)?;
