@@ -60,12 +60,15 @@ pub struct PairWork {
     pub pairs: u64,
     /// Bytes that are loaded and stored. Most loads find their rows in a cache.
     pub bytes: u64,
+    /// Floating-point operations on pairs.
+    pub operations: u64,
 }
 
 impl AddAssign for PairWork {
     fn add_assign(&mut self, other: Self) {
         self.pairs += other.pairs;
         self.bytes += other.bytes;
+        self.operations += other.operations;
     }
 }
 

@@ -51,7 +51,7 @@ fn a_profile_tells_the_speed_of_every_stage_and_changes_nothing() {
     fs::write(folder.join("drop.toml"), DROP).unwrap();
     meniscus(folder, &["run", "drop.toml", "--out", "plain", "--threads", "2"]);
     let said = meniscus(folder, &["run", "drop.toml", "--out", "profiled", "--threads", "2", "--profile"]);
-    for part in ["imbalance", "pairs/ns", "GB/s", "flux"] {
+    for part in ["imbalance", "pairs", "GB/s", "GFLOP/s", "flux"] {
         assert!(said.contains(part), "{part} is not in\n{said}");
     }
 
@@ -88,6 +88,10 @@ fn a_profile_tells_the_speed_of_every_stage_and_changes_nothing() {
     assert!((9.9..25.0).contains(&each), "{each} pairs a particle");
     // An index of 4 bytes, a neighbour's rows of 96, and what is read and written of a particle itself.
     let bytes = number(&pairs["gigabytes_per_second"]) / speed;
+    // A reconstructed contact with harmonic-mean weights, and the terms that this drop has.
+    let operations = number(&pairs["gigaflops"]) / speed;
+    let (contact, terms) = (48.0 + 3.0 + 33.0, [2.0, 10.0, 8.0, 4.0, 12.0, 15.0]);
+    assert!((operations - contact - terms.iter().sum::<f64>()).abs() < 1e-6, "{operations} a pair");
     assert!(bytes > 100.0 && bytes < 100.0 + (96.0 + 8.0 * 24.0) / each, "{bytes} bytes a pair");
 }
 

@@ -42,4 +42,7 @@ pub struct PairSpeed {
     /// Loaded and stored: for each pair a neighbour's number and packed rows, for each particle its rows and
     /// results. Caches serve most of it.
     pub gigabytes_per_second: f64,
+    /// Thousands of millions of floating-point operations on pairs in a second. A fused multiplication and
+    /// addition counts as two.
+    pub gigaflops: f64,
 }

@@ -65,5 +65,6 @@ fn speed(cost: &Cost, particle_steps: f64) -> Option<PairSpeed> {
         per_particle_step: work.pairs as f64 / particle_steps,
         per_nanosecond: work.pairs as f64 / nanoseconds,
         gigabytes_per_second: work.bytes as f64 / nanoseconds,
+        gigaflops: work.operations as f64 / nanoseconds,
     })
 }
