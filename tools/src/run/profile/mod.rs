@@ -1,6 +1,7 @@
 //! The profile of a run: how fast each stage is, how evenly its threads are busy, and a trace of some steps.
 
 mod profiler;
+mod subscriber;
 mod trace;
 
 use std::path::Path;

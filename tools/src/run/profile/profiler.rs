@@ -1,13 +1,8 @@
 //! What each thread does in each stage, from the spans of the engine.
 
-use std::num::NonZeroU64;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
-
-use tracing::field::{Field, Visit};
-use tracing::span::{Attributes, Id, Record};
-use tracing::{Event, Metadata, Subscriber};
 
 use crate::failure::Failure;
 
@@ -22,10 +17,10 @@ const INTERVAL: u64 = 1000;
 /// beyond half of them in the opening, or beyond all later, is left out.
 const MOST: usize = 1 << 17;
 
-/// Identities of the spans: a chunk, a step, then the stages in the order of their first run.
-const CHUNK: u64 = 1;
-const STEP: u64 = 2;
-const STAGES: u64 = 3;
+/// Identities of what has a length: a chunk, a step, then the stages in the order of their first run.
+pub(super) const CHUNK: u64 = 1;
+pub(super) const STEP: u64 = 2;
+pub(super) const STAGES: u64 = 3;
 
 /// Follows the spans of a run: how long each thread is busy in each stage, and some steps piece by piece.
 /// It observes; what is computed stays the same, bit for bit.
@@ -77,7 +72,7 @@ pub(super) enum Kind {
 
 #[derive(Default)]
 struct Thread {
-    /// Starts of the spans that are open.
+    /// Starts of the spans and chunks that are open.
     open: Vec<u64>,
     /// Nanoseconds in chunks of the present stage.
     busy: u64,
@@ -144,7 +139,8 @@ impl Profiler {
         self.threads.get(number).map(lock)
     }
 
-    fn begin_step(&self, number: u64) {
+    /// Decides whether a step is watched.
+    pub(super) fn begin_step(&self, number: u64) {
         let thread = rayon::current_thread_index().and_then(|thread| self.threads.get(thread));
         let Some(thread) = thread.filter(|_| self.recording.load(Ordering::Relaxed)) else { return };
         let mut thread = lock(thread);
@@ -154,7 +150,8 @@ impl Profiler {
         self.watching.store(traced || number.is_multiple_of(SAMPLE), Ordering::Relaxed);
     }
 
-    fn stage(&self, name: &str) -> u64 {
+    /// The identity of a stage.
+    pub(super) fn stage(&self, name: &str) -> u64 {
         let mut stages = lock(&self.stages);
         let known = stages.iter().position(|stage| stage.stage == name);
         let place = known.unwrap_or_else(|| {
@@ -182,37 +179,27 @@ impl Profiler {
     fn now(&self) -> u64 {
         self.origin.elapsed().as_nanos() as u64
     }
-}
 
-impl Subscriber for Profiler {
-    fn enabled(&self, metadata: &Metadata) -> bool {
-        metadata.target().starts_with("meniscus") && ["chunk", "stage", "step"].contains(&metadata.name())
+    /// Says which stage the chunks from now on are of.
+    pub(super) fn enter_stage(&self, identity: u64) {
+        self.present.store(identity, Ordering::Relaxed);
     }
 
-    fn new_span(&self, span: &Attributes) -> Id {
-        let mut seen = Seen { profiler: self, identity: CHUNK };
-        if span.metadata().name() != "chunk" {
-            span.record(&mut seen);
-        }
-        Id::from_non_zero_u64(NonZeroU64::new(seen.identity).unwrap_or(NonZeroU64::MIN))
-    }
-
-    fn enter(&self, id: &Id) {
-        if id.into_u64() >= STAGES {
-            self.present.store(id.into_u64(), Ordering::Relaxed);
-        }
+    /// Notes the begin of a span or chunk.
+    pub(super) fn begin(&self) {
         if let Some(mut thread) = self.watched() {
             let now = self.now();
             thread.open.push(now);
         }
     }
 
-    fn exit(&self, id: &Id) {
+    /// Takes down what has come to its end.
+    pub(super) fn end(&self, identity: u64) {
         let Some(mut thread) = self.watched() else { return };
         let Some(start) = thread.open.pop() else { return };
         let length = self.now() - start;
         let place = |identity: u64| (identity - STAGES) as usize;
-        let kind = match id.into_u64() {
+        let kind = match identity {
             CHUNK => {
                 thread.busy += length;
                 Kind::Chunk(place(self.present.load(Ordering::Relaxed)))
@@ -228,29 +215,4 @@ impl Subscriber for Profiler {
             self.end_stage(place, length);
         }
     }
-
-    fn record(&self, _: &Id, _: &Record) {}
-
-    fn record_follows_from(&self, _: &Id, _: &Id) {}
-
-    fn event(&self, _: &Event) {}
-}
-
-/// Which step or stage a span is of.
-struct Seen<'a> {
-    profiler: &'a Profiler,
-    identity: u64,
-}
-
-impl Visit for Seen<'_> {
-    fn record_u64(&mut self, _: &Field, number: u64) {
-        self.profiler.begin_step(number);
-        self.identity = STEP;
-    }
-
-    fn record_str(&mut self, _: &Field, name: &str) {
-        self.identity = self.profiler.stage(name);
-    }
-
-    fn record_debug(&mut self, _: &Field, _: &dyn std::fmt::Debug) {}
 }
