@@ -10,6 +10,7 @@
 use crate::bins::Bins;
 use crate::lanes::{Lanes, WIDTH, pack};
 use crate::parallel;
+use std::ops::Range;
 
 /// Where the half plane ends or repeats.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -159,6 +160,11 @@ impl NeighbourList {
         self.counts.iter().map(|&count| u64::from(count)).sum()
     }
 
+    /// Entries of all blocks, with those that fill up short lists: what a pair pass evaluates.
+    pub fn slots(&self) -> usize {
+        self.entries.len() * WIDTH
+    }
+
     /// The interleaved entries of the eight particles from `8 * block` on.
     #[inline]
     pub fn block(&self, block: usize) -> &[[u32; WIDTH]] {
@@ -231,10 +237,21 @@ fn fill_blocks(
         );
         return;
     }
-    for start in (first..last).step_by(WIDTH) {
+    parallel::told(|| fill_chunk(search, (block_start, offset), first..last, entries));
+}
+
+/// Fills the entries of a range of particles, which begin at place `offset` of all entries.
+fn fill_chunk(
+    search: &Search,
+    (block_start, offset): (&[u32], usize),
+    range: Range<usize>,
+    entries: &mut [[u32; WIDTH]],
+) {
+    let last = range.end;
+    for start in range.step_by(WIDTH) {
         let block = start / WIDTH;
-        let range = block_start[block] as usize - offset..block_start[block + 1] as usize - offset;
-        let block_entries = &mut entries[range];
+        let [begin, end] = [block, block + 1].map(|block| block_start[block] as usize - offset);
+        let block_entries = &mut entries[begin..end];
         for lane in 0..WIDTH {
             let particle = start + lane;
             let mut count = 0;

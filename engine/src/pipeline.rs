@@ -5,6 +5,7 @@ use crate::neighbours::NeighbourList;
 use crate::pairs::RowTable;
 use crate::store::Store;
 use bumpalo::Bump;
+use std::ops::AddAssign;
 use std::time::{Duration, Instant};
 
 /// Everything that a step works on.
@@ -45,6 +46,30 @@ pub trait Stage: Send {
     /// # Errors
     /// A [`Fault`] that says which particle and quantity went bad.
     fn run(&mut self, world: &mut World) -> Result<(), Fault>;
+
+    /// What one run evaluates and moves, where the stage is a pair pass; must cost nothing to tell.
+    fn pair_work(&self, _world: &World) -> PairWork {
+        PairWork::default()
+    }
+}
+
+/// What a pair pass does: with its time, how fast it is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PairWork {
+    /// Evaluated pairs, each from both its sides; entries that fill a list up to its block count as well.
+    pub pairs: u64,
+    /// Bytes that are loaded and stored. Most loads find their rows in a cache.
+    pub bytes: u64,
+    /// Floating-point operations on pairs.
+    pub operations: u64,
+}
+
+impl AddAssign for PairWork {
+    fn add_assign(&mut self, other: Self) {
+        self.pairs += other.pairs;
+        self.bytes += other.bytes;
+        self.operations += other.operations;
+    }
 }
 
 /// A quantity that went bad: the run stops here.
@@ -78,6 +103,8 @@ pub struct Cost {
     pub calls: u64,
     /// Wall time in it.
     pub time: Duration,
+    /// What it evaluated and moved, where it is a pair pass.
+    pub pair_work: PairWork,
 }
 
 /// The stages of a step, in their order.
@@ -90,7 +117,12 @@ pub struct Pipeline {
 impl Pipeline {
     /// A pipeline that runs `start` once before the first step of a new run, then `stages` every step.
     pub fn new(start: Vec<Box<dyn Stage>>, stages: Vec<Box<dyn Stage>>) -> Self {
-        let cost = |stage: &dyn Stage| Cost { stage: stage.name(), calls: 0, time: Duration::ZERO };
+        let cost = |stage: &dyn Stage| Cost {
+            stage: stage.name(),
+            calls: 0,
+            time: Duration::ZERO,
+            pair_work: PairWork::default(),
+        };
         let costs = stages.iter().map(|stage| cost(stage.as_ref())).collect();
         Pipeline { start, stages, costs }
     }
@@ -132,12 +164,14 @@ impl Pipeline {
             world.store.poison_derived();
         }
         world.arena.reset();
+        let _span = tracing::info_span!("step", number = world.clock.step).entered();
         for (stage, cost) in self.stages.iter_mut().zip(&mut self.costs) {
             let _span = tracing::info_span!("stage", name = stage.name()).entered();
             let start = Instant::now();
             stage.run(world)?;
             cost.time += start.elapsed();
             cost.calls += 1;
+            cost.pair_work += stage.pair_work(world);
         }
         world.clock.advance();
         Ok(())

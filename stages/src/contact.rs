@@ -30,6 +30,9 @@ pub struct Contact {
 
 /// How velocities are brought to the contact.
 pub trait Reconstruction<R>: Copy + Send + Sync {
+    /// Floating-point operations of both functions, counted as a pair term's.
+    const OPERATIONS: u64;
+
     /// Half-steps from a and b towards the contact along d, times the distance, and the jump that
     /// P* feels, times the distance, all in m2/s. `jump` is (U_b - U_a) . d.
     fn reconstruct(&self, a: &R, b: &R, d: (Lanes, Lanes), jump: Lanes, inverse_distance: Lanes) -> Rises;
@@ -61,6 +64,8 @@ pub struct Rises {
 pub struct FirstOrder;
 
 impl<R> Reconstruction<R> for FirstOrder {
+    const OPERATIONS: u64 = 0;
+
     #[inline(always)]
     fn reconstruct(&self, _: &R, _: &R, _: (Lanes, Lanes), jump: Lanes, _: Lanes) -> Rises {
         Rises { left: Lanes::ZERO, right: jump, jump }
@@ -81,6 +86,8 @@ pub struct Shock {
 const LEAST_IMPEDANCE: f64 = 1e-100;
 
 impl Reconstruction<ShockRecord> for Shock {
+    const OPERATIONS: u64 = 6;
+
     #[inline(always)]
     fn reconstruct(
         &self,
@@ -112,6 +119,8 @@ pub struct Limited {
 }
 
 impl<R: DeformationState> Reconstruction<R> for Limited {
+    const OPERATIONS: u64 = 33;
+
     #[inline(always)]
     fn reconstruct(
         &self,
@@ -161,6 +170,9 @@ pub struct ContactProblem<G, F> {
 /// 140/pi of the Wendland C2 kernel's derivative (method.md, section 1).
 pub(crate) const KERNEL: f64 = 140.0 / PI;
 
+/// Operations of a contact without its weight and reconstruction.
+const OPERATIONS: u64 = 48;
+
 impl<R: FlowState, G: Geometry, F: Reconstruction<R>> Interaction<R> for ContactProblem<G, F> {
     type Pair = Contact;
     type Own = AxisState;
@@ -168,6 +180,10 @@ impl<R: FlowState, G: Geometry, F: Reconstruction<R>> Interaction<R> for Contact
     #[inline(always)]
     fn prepare(&self, a: &R) -> AxisState {
         self.geometry.prepare(a.flow())
+    }
+
+    fn operations(&self) -> u64 {
+        OPERATIONS + G::OPERATIONS + F::OPERATIONS
     }
 
     #[inline(always)]

@@ -14,6 +14,9 @@ pub struct AxisState {
 
 /// How a pair is weighted and which hoop terms a particle has.
 pub trait Geometry: Copy + Send + Sync {
+    /// Floating-point operations of [`Geometry::factor`], counted as a pair term's.
+    const OPERATIONS: u64;
+
     /// What is computed once per particle.
     fn prepare(&self, a: &Flow<Lanes>) -> AxisState;
 
@@ -68,6 +71,8 @@ fn harmonic_mean(origin: f64, own: &AxisState, b: &Flow<Lanes>) -> Lanes {
 }
 
 impl Geometry for HarmonicMean {
+    const OPERATIONS: u64 = 3;
+
     #[inline(always)]
     fn prepare(&self, a: &Flow<Lanes>) -> AxisState {
         axis_state(self.origin, a, Lanes::ONE)
@@ -83,6 +88,8 @@ impl Geometry for HarmonicMean {
 }
 
 impl Geometry for NearAxisParshikov {
+    const OPERATIONS: u64 = 3;
+
     /// Far is R_a > K h; h = 2 theta D_a is the record's reach.
     #[inline(always)]
     fn prepare(&self, a: &Flow<Lanes>) -> AxisState {
@@ -103,6 +110,8 @@ impl Geometry for NearAxisParshikov {
 }
 
 impl Geometry for Parshikov {
+    const OPERATIONS: u64 = 0;
+
     #[inline(always)]
     fn prepare(&self, a: &Flow<Lanes>) -> AxisState {
         axis_state(self.origin, a, Lanes::ZERO)

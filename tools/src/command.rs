@@ -21,6 +21,7 @@ Examples:
   meniscus run drop.toml --set radius='15 um' --out runs/large
   meniscus run drop.toml --set method.scheme=parshikov --threads 4
   meniscus run drop.toml --steps 100 --overwrite
+  meniscus run drop.toml --profile                           speeds of all stages, and a trace
 
 Ctrl-C stops after a checkpoint, SIGUSR1 writes one and goes on.
 Exit codes: 0 done; 1 blew up; 2 bad input; 130 interrupted after a clean checkpoint.";
@@ -32,8 +33,11 @@ Examples:
 
 const PLAN_EXAMPLES: &str = "\
 Examples:
-  meniscus plan cases/laplace-drop/scene.toml
-  meniscus plan drop.toml --set particle_size='20 nm' --fields";
+  meniscus plan cases/laplace-drop/scene.toml                the stages, and how long a run takes
+  meniscus plan drop.toml --set particle_size='20 nm' --fields
+
+The time is that of filling, settling, steps and pictures, each measured in a piece of the run as the machine
+is now; what disks take is not in it.";
 
 const COMPLETIONS_EXAMPLES: &str = "\
 Example:
@@ -55,7 +59,7 @@ enum Command {
     /// Continue a run from its newest valid checkpoint
     #[command(after_help = RESUME_EXAMPLES)]
     Resume(ResumeArguments),
-    /// Tell what a run would do, and what it would cost, without writing anything
+    /// Tell what a run would do, and what it would cost by a piece of a few seconds, without writing anything
     #[command(after_help = PLAN_EXAMPLES)]
     Plan(PlanArguments),
     /// Run the project's cases and compare them with what is exact
@@ -87,6 +91,10 @@ pub(crate) struct RunArguments {
     /// Replace an earlier run in the folder
     #[arg(long)]
     pub(crate) overwrite: bool,
+    /// Tell how fast each stage is and how evenly its threads are busy; trace the first 200 steps and every
+    /// 1000th into profile.json (15 MB at most), which https://ui.perfetto.dev opens
+    #[arg(long)]
+    pub(crate) profile: bool,
     #[command(flatten)]
     pub(crate) extent: Extent,
 }
@@ -139,7 +147,7 @@ pub(crate) struct PlanArguments {
     /// List every field with the stages that read and write it
     #[arg(long)]
     pub(crate) fields: bool,
-    /// Threads of the short trial run [default: one for each core]
+    /// Threads that the cost is told for [default: one for each core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub(crate) threads: Option<u16>,
 }

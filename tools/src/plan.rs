@@ -1,21 +1,20 @@
 //! `meniscus plan`: what a run would do, and what it would cost.
 
+mod calibration;
+
 use std::process::ExitCode;
-use std::time::Instant;
 
 use meniscus_cases::assemble::{Physics, assemble};
 use meniscus_cases::scene::{self, Scene};
-use meniscus_cases::simulation::{SETTLE, Simulation};
+use meniscus_cases::simulation::Simulation;
 use meniscus_engine::lanes::Row;
 use meniscus_engine::wiring::{Access, Wiring};
 
 use crate::command::{PlanArguments, pool};
 use crate::failure::Failure;
 use crate::output::units::{duration, grouped, quantity};
+use calibration::calibrate;
 
-/// Steps of the trial that tells step size and cost, and those before it that warm it up.
-const TRIAL: u32 = 50;
-const WARM_UP: u32 = 10;
 /// Packed rows of a particle at most: flow and gradient.
 const ROWS_EACH: usize = 2;
 
@@ -70,45 +69,37 @@ pub(crate) fn sound_speed_sentence(scene: &Scene) -> String {
     format!("sound speed {speed}, ten times {cause}, {fastest}")
 }
 
-/// Packs the scene and takes a few steps, without settling: their size and cost are the same.
+/// Fills the scene and runs a piece of it.
 fn print_costs(scene: &Scene) -> Result<(), Failure> {
-    let mut unsettled = scene.clone();
-    unsettled.settle = Some(0.0);
-    let mut simulation = Simulation::new(&unsettled, &mut |_, _| {})?;
-    let mut trial = |steps: u32| -> Result<f64, Failure> {
-        let started = Instant::now();
-        for _ in 0..steps {
-            let step = simulation.step();
-            step.map_err(|fault| Failure::on_the_way(format!("the trial broke down: {fault}")))?;
-        }
-        Ok(started.elapsed().as_secs_f64() / f64::from(steps))
-    };
-    trial(WARM_UP)?;
-    let seconds = trial(TRIAL)?;
-    let world = &simulation.world;
-    let (particles, step_size) = (world.store.len() as u64, world.clock.previous_step_size);
+    let costs = calibrate(scene)?;
+    let world = &costs.simulation.world;
+    let particles = world.store.len() as u64;
     let bounds = world.clock.bounds_met().iter();
     let bound = bounds.max_by_key(|(_, count)| *count).map_or("", |(reason, _)| reason.as_ref());
-    let settling = if scene.liquid.surface_tension > 0.0 {
-        scene.settle.unwrap_or(SETTLE) * Simulation::capillary_time(scene)
-    } else {
-        0.0
-    };
-    let steps = ((scene.until / step_size).ceil() as u64).min(scene.steps.unwrap_or(u64::MAX));
-    let settling_steps = (settling / step_size).ceil() as u64;
     println!("\n{}", sound_speed_sentence(scene));
     println!("{} particles of {}", grouped(particles), quantity(scene.particle_size, "m", 3));
-    println!("time step {}, bounded as {bound}", quantity(step_size, "s", 3));
-    let end = quantity(scene.until, "s", 4);
-    println!("about {} steps to {end}, after {} to settle", grouped(steps), grouped(settling_steps));
-    println!("memory about {}", memory(&simulation));
+    println!("time step {}, bounded as {bound}", quantity(costs.step_size, "s", 3));
+    let (end, settling) = (quantity(scene.until, "s", 4), grouped(costs.settling_steps));
+    println!("about {} steps to {end}, after {settling} to settle", grouped(costs.steps));
+    println!("memory about {}", memory(&costs.simulation));
     println!(
-        "about {} on {} threads: {} a particle and step in a trial of {TRIAL} steps",
-        duration(seconds * (steps + settling_steps) as f64),
-        rayon::current_num_threads(),
-        quantity(seconds / particles as f64, "s", 3),
+        "about {} on {} (measured over {})",
+        duration(costs.seconds()),
+        counted(rayon::current_num_threads(), "thread"),
+        duration(costs.measured),
     );
+    println!(
+        "  {} until the particles are placed and have settled, {} for the steps, {} for pictures",
+        duration(costs.start_seconds),
+        duration(costs.step_seconds * costs.steps as f64),
+        duration(costs.picture_seconds),
+    );
+    println!("  a particle and step: {}", quantity(costs.step_seconds / particles as f64, "s", 3));
     Ok(())
+}
+
+fn counted(number: usize, thing: &str) -> String {
+    format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
 }
 
 /// Columns, packed rows, and neighbour list in both its forms.

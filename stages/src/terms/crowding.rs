@@ -58,6 +58,10 @@ impl<R: FlowState> PairTerm<R, Contact> for Crowding {
         results.copy_from_slice(&sum);
     }
 
+    fn operations(&self) -> u64 {
+        15
+    }
+
     fn outputs(&self, columns: &mut Columns) {
         columns.extend(self.crowding.map(Some));
     }

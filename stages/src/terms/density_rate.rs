@@ -42,6 +42,10 @@ impl<R: FlowState, G: Geometry> PairTerm<R, Contact> for DensityRate<G> {
         results[0] = flow.velocity_r.mul_add(self.geometry.inverse_radius(flow), sum);
     }
 
+    fn operations(&self) -> u64 {
+        2
+    }
+
     fn outputs(&self, columns: &mut Columns) {
         columns.push(Some(self.strain_rate));
     }

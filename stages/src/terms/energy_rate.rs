@@ -47,6 +47,10 @@ impl<R: FlowState, G: Geometry> PairTerm<R, Contact> for EnergyRate<G> {
         results[0] = sum - flow.pressure * flow.velocity_r * hoop;
     }
 
+    fn operations(&self) -> u64 {
+        8
+    }
+
     fn outputs(&self, columns: &mut Columns) {
         columns.push(Some(self.power));
     }

@@ -46,6 +46,10 @@ impl<R: FlowState, G: Geometry> PairTerm<R, Contact> for GhostWeight<G> {
         results[1] = Lanes::HALF * sum[1];
     }
 
+    fn operations(&self) -> u64 {
+        4
+    }
+
     fn outputs(&self, columns: &mut Columns) {
         columns.extend(self.weight.map(Some));
     }

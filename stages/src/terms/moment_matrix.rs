@@ -44,6 +44,10 @@ impl<R: FlowState> PairTerm<R, Contact> for MomentMatrix {
         results.copy_from_slice(&sum);
     }
 
+    fn operations(&self) -> u64 {
+        8
+    }
+
     fn outputs(&self, columns: &mut Columns) {
         columns.extend(self.moment.map(Some));
     }

@@ -55,6 +55,10 @@ impl<R: FlowState, G: Geometry> PairTerm<R, Contact> for PressureRiemann<G> {
         results[1..4].copy_from_slice(&sum[1..4]);
     }
 
+    fn operations(&self) -> u64 {
+        10
+    }
+
     fn outputs(&self, columns: &mut Columns) {
         columns.extend(self.force.map(Some));
         columns.extend(self.dissipation.map(Some));

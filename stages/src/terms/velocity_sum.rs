@@ -53,6 +53,10 @@ impl<R: FlowState> PairTerm<R, Contact> for VelocitySum {
         results.copy_from_slice(&sum);
     }
 
+    fn operations(&self) -> u64 {
+        12
+    }
+
     fn outputs(&self, columns: &mut Columns) {
         columns.extend(self.sum.map(Some));
     }

@@ -9,7 +9,7 @@ use super::atomic::{UNFINISHED_PREFIX, write_atomic};
 use super::{OutputError, OutputResult};
 
 /// Plain files that a run makes at the top of its folder.
-const FILES: [&str; 5] = ["summary.json", "series.csv", "particles.pvd", "scene.toml", "trace.json"];
+const FILES: [&str; 5] = ["summary.json", "series.csv", "particles.pvd", "scene.toml", "profile.json"];
 /// Folders that a run makes and fills alone.
 const FOLDERS: [&str; 2] = ["checkpoints", "frames"];
 /// Endings of the pictures that a run makes at the top of its folder.
@@ -127,9 +127,9 @@ impl RunFolder {
         self.checkpoints().join("settling.meniscus")
     }
 
-    /// The profile of the run.
-    pub fn trace(&self) -> PathBuf {
-        self.file("trace.json")
+    /// The trace of a profiled run.
+    pub fn profile(&self) -> PathBuf {
+        self.file("profile.json")
     }
 
     /// The index of the particle frames, by time.

@@ -105,27 +105,33 @@ impl Window {
 /// When the particles' columns differ in length, there is nothing to see, or
 /// the file cannot be written.
 pub fn write_picture(path: &Path, picture: &Picture<'_>) -> OutputResult<()> {
-    let problem = |problem: &str| OutputError::data(path, problem);
+    let png = draw_picture(picture).map_err(|problem| OutputError::data(path, problem))?;
+    write_atomic(path, |file| file.write_all(&png))
+}
+
+/// Draws the particles, as a PNG file holds them.
+///
+/// # Errors
+/// In words, when the particles' columns differ in length, or there is nothing to see.
+pub fn draw_picture(picture: &Picture<'_>) -> Result<Vec<u8>, String> {
     let Picture { particles, shade, .. } = picture;
     let lengths = [particles.z, particles.diameter, shade.values].map(<[f64]>::len);
     if lengths.iter().any(|length| *length != particles.r.len()) {
-        return Err(problem("the columns of the particles differ in length"));
+        return Err("the columns of the particles differ in length".to_owned());
     }
     let window = picture.window.or_else(|| Window::around(particles));
     let window = window.filter(|window| {
         let (across, along) = (window.r.1 - window.r.0, window.z.1 - window.z.0);
         across.is_finite() && along.is_finite() && across > 0.0 && along > 0.0
     });
-    let window = window.ok_or_else(|| problem("there are no particles to show"))?;
+    let window = window.ok_or("there are no particles to show")?;
 
     let range = shade_range(shade);
     let frame = Frame::fit(window, shade, range);
-    let png = frame.furnish(picture).png(1.0);
-    let png = png.map_err(|reason| problem(&reason))?;
-    let mut pixels = Pixmap::decode_png(&png).map_err(|reason| problem(&reason.to_string()))?;
+    let png = frame.furnish(picture).png(1.0)?;
+    let mut pixels = Pixmap::decode_png(&png).map_err(|reason| reason.to_string())?;
     draw_particles(&mut pixels, &frame, picture, range);
-    let png = pixels.encode_png().map_err(|reason| problem(&reason.to_string()))?;
-    write_atomic(path, |file| file.write_all(&png))
+    pixels.encode_png().map_err(|reason| reason.to_string())
 }
 
 fn draw_particles(pixels: &mut Pixmap, frame: &Frame, picture: &Picture<'_>, range: (f64, f64)) {

@@ -9,8 +9,10 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use super::atomic::write_atomic;
 use super::{OutputError, OutputResult};
+pub use profile::{PairSpeed, Profile, StageProfile};
 pub use table::print_table;
 
+mod profile;
 mod table;
 
 /// What a run did, what it measured and what it cost. SI units throughout; a
@@ -51,6 +53,9 @@ pub struct Summary {
     pub step_bounds: Vec<(String, u64)>,
     /// What each stage cost.
     pub stages: Vec<StageCost>,
+    /// How fast each stage was, where the run was asked for it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub profile: Option<Profile>,
     /// What was measured, against what is exact.
     pub measures: Vec<Measure>,
     /// How well the conserved quantities were kept.
@@ -173,6 +178,7 @@ pub(in crate::output) mod tests {
                 stage("pair pass: density rate, riemann pressure, energy rate", 14.0),
                 stage("neighbours", 4.0),
             ],
+            profile: None,
             measures: vec![
                 Measure {
                     name: "period".to_owned(),

@@ -13,7 +13,7 @@ use super::columns::{Shown, column, pressure, shown, size};
 use crate::output::atomic::write_atomic;
 use crate::output::colour::ColourMap;
 use crate::output::folder::RunFolder;
-use crate::output::picture::{Particles, Picture, Shade, Window, write_picture};
+use crate::output::picture::{Particles, Picture, Shade, Window, draw_picture, write_picture};
 use crate::output::vtk::{Field, FieldData, write_pvd, write_vtp};
 use crate::output::{OutputError, OutputResult};
 
@@ -100,34 +100,49 @@ impl Frames {
     }
 
     fn draw(&mut self, file: &str, scene: &Scene, simulation: &Simulation) -> OutputResult<()> {
-        let name = scene.output.colour_by.as_str();
-        let Some(Shown { unit, values }) = shown(simulation, name) else {
-            return Ok(());
-        };
-        let r = column(simulation, fields::RADIUS.description.name);
-        let z = column(simulation, fields::AXIAL.description.name);
-        let diameter = size(simulation);
-        let particles = Particles { r: &r, z: &z, diameter: &diameter };
-        let view = match self.index.view {
-            Some(view) => view,
-            None => first_view(scene, &particles, &values),
-        };
-        self.index.view = Some(view);
-        let picture = Picture {
-            title: &scene.title,
-            time: simulation.world.clock.time,
-            particles,
-            shade: Shade {
-                name,
-                unit: if unit == "1" { "" } else { unit },
-                values: &values,
-                map: if view.colours.0 == -view.colours.1 { ColourMap::BlueRed } else { ColourMap::Viridis },
-                range: Some(view.colours),
-            },
-            window: Some(Window { r: view.r, z: view.z, mirrored: None }),
-        };
-        write_picture(&self.folder.file(file), &picture)
+        let path = self.folder.file(file);
+        let write = |picture: &Picture| write_picture(&path, picture);
+        with_picture(&mut self.index.view, scene, simulation, write).unwrap_or(Ok(()))
     }
+}
+
+/// Draws a picture and lets it go: what one costs.
+///
+/// # Errors
+/// In words, where there is nothing to see.
+pub(crate) fn rehearse_picture(scene: &Scene, simulation: &Simulation) -> Result<(), String> {
+    let drawn = with_picture(&mut None, scene, simulation, draw_picture);
+    drawn.transpose().map(|_| ())
+}
+
+/// Does something with the picture of the present state; `None` where there is nothing to colour it by. The
+/// first one fixes the view.
+fn with_picture<T>(
+    view: &mut Option<View>,
+    scene: &Scene,
+    simulation: &Simulation,
+    use_it: impl FnOnce(&Picture) -> T,
+) -> Option<T> {
+    let name = scene.output.colour_by.as_str();
+    let Shown { unit, values } = shown(simulation, name)?;
+    let r = column(simulation, fields::RADIUS.description.name);
+    let z = column(simulation, fields::AXIAL.description.name);
+    let diameter = size(simulation);
+    let particles = Particles { r: &r, z: &z, diameter: &diameter };
+    let view = *view.get_or_insert_with(|| first_view(scene, &particles, &values));
+    Some(use_it(&Picture {
+        title: &scene.title,
+        time: simulation.world.clock.time,
+        particles,
+        shade: Shade {
+            name,
+            unit: if unit == "1" { "" } else { unit },
+            values: &values,
+            map: if view.colours.0 == -view.colours.1 { ColourMap::BlueRed } else { ColourMap::Viridis },
+            range: Some(view.colours),
+        },
+        window: Some(Window { r: view.r, z: view.z, mirrored: None }),
+    }))
 }
 
 /// How many of the scene's frames are due at a time.

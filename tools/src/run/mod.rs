@@ -4,6 +4,7 @@ mod checkpoints;
 mod columns;
 mod frames;
 mod plots;
+mod profile;
 mod recorder;
 mod report;
 mod resume;
@@ -13,6 +14,7 @@ mod stopwatch;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::Arc;
 
 use meniscus_cases::scene::{self, Scene};
 use meniscus_cases::simulation::{Settling, Simulation};
@@ -26,7 +28,10 @@ use crate::output::progress::Progress;
 use crate::output::summary::{Status, Summary, print_table};
 use crate::output::units::{grouped, quantity};
 use crate::plan::sound_speed_sentence;
+pub(crate) use frames::rehearse_picture;
+use profile::Profiler;
 use recorder::Recorder;
+pub(crate) use recorder::observed_every;
 pub(crate) use resume::resume;
 pub(crate) use signals::{INTERRUPTED, Signals};
 use stopwatch::{Moment, Stopwatch};
@@ -54,6 +59,7 @@ struct Costs {
     settling: Stopwatch,
     steps: Stopwatch,
     first_step: u64,
+    profiler: Option<Arc<Profiler>>,
 }
 
 /// A scene on its way into a folder.
@@ -62,6 +68,7 @@ struct Run {
     folder: RunFolder,
     signals: Signals,
     display: Display,
+    profiler: Option<Arc<Profiler>>,
     started: Moment,
 }
 
@@ -101,7 +108,8 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<ExitCode, Failure> {
         RunFolder::create(out, arguments.overwrite).map_err(|error| Failure::input(error.to_string()))?;
     folder.write_scene(&scene.text)?;
     let display = Display::alone(arguments.extent.quiet);
-    let run = Run { scene, folder, signals, display, started };
+    let profiler = arguments.profile.then(|| Profiler::listen(pool.current_num_threads())).transpose()?;
+    let run = Run { scene, folder, signals, display, profiler, started };
     run.introduce();
     pool.install(|| run.go(Start::Scene)).map(|summary| tell(&summary))
 }
@@ -115,7 +123,7 @@ pub(crate) fn run_into(
 ) -> Result<Summary, Failure> {
     let started = Moment::now();
     folder.write_scene(&scene.text)?;
-    Run { scene, folder, signals: signals.clone(), display, started }.go(Start::Scene)
+    Run { scene, folder, signals: signals.clone(), display, profiler: None, started }.go(Start::Scene)
 }
 
 /// Prints what a run has given, and turns it into an exit code.
@@ -210,7 +218,11 @@ impl Run {
             settling,
             steps: Stopwatch::default(),
             first_step: simulation.world.clock.step,
+            profiler: self.profiler.clone(),
         };
+        if let Some(profiler) = &self.profiler {
+            profiler.record(true);
+        }
         let end = self.drive(simulation, recorder, &mut costs.steps)?;
         let failure = match &end {
             End::Done | End::Interrupted => {
@@ -277,6 +289,6 @@ pub(crate) fn settling_time(scene: &Scene) -> f64 {
 
 /// Whether the scene's end is reached, after a number of steps and at a time in s. The last step isn't
 /// cut: outputs never change the motion.
-fn is_over(scene: &Scene, step: u64, time: f64) -> bool {
+pub(crate) fn is_over(scene: &Scene, step: u64, time: f64) -> bool {
     time >= scene.until || scene.steps.is_some_and(|steps| step >= steps)
 }

@@ -29,8 +29,16 @@ pub(super) struct Recorder<'a> {
     pub(super) cost: Stopwatch,
 }
 
-/// Steps between two observations where the scene wants no series: its measures still need them.
-const OBSERVED: u64 = 10;
+/// What the costs call all that a recorder does.
+pub(super) const OUTPUTS: &str = "outputs";
+
+/// Steps between two observations. Where the scene wants no series its measures still need them.
+pub(crate) fn observed_every(scene: &Scene) -> u64 {
+    match scene.output.series_every {
+        0 => 10,
+        every => every,
+    }
+}
 
 impl<'a> Recorder<'a> {
     /// A recorder of a new run.
@@ -93,6 +101,7 @@ impl<'a> Recorder<'a> {
 
     /// Writes what is due at the present step: the start or the end of one.
     pub(super) fn record(&mut self, simulation: &Simulation) -> Result<(), Failure> {
+        let _span = tracing::info_span!("stage", name = OUTPUTS).entered();
         let mut cost = self.cost;
         let done = cost.time(|| self.write_due(simulation));
         self.cost = cost;
@@ -101,11 +110,7 @@ impl<'a> Recorder<'a> {
 
     fn write_due(&mut self, simulation: &Simulation) -> Result<(), Failure> {
         let step = simulation.world.clock.step;
-        let every = match self.scene.output.series_every {
-            0 => OBSERVED,
-            every => every,
-        };
-        if step.is_multiple_of(every) {
+        if step.is_multiple_of(observed_every(self.scene)) {
             let row = self.observer.observe(simulation);
             if let Some(series) = &mut self.series {
                 series.append(step, &row)?;

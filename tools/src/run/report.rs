@@ -6,7 +6,8 @@ use meniscus_cases::simulation::Simulation;
 
 use super::Costs;
 use super::plots;
-use super::recorder::Recorder;
+use super::profile;
+use super::recorder::{OUTPUTS, Recorder};
 use super::stopwatch::Stopwatch;
 use crate::failure::Failure;
 use crate::output::folder::RunFolder;
@@ -37,6 +38,11 @@ pub(super) fn report(
     let particles = simulation.world.store.len() as u64;
     let particle_steps = (particles * (clock.step - costs.first_step)).max(1) as f64;
     let Stopwatch { wall: wall_seconds, cpu: cpu_seconds } = costs.started.elapsed();
+    let stages = stages(simulation, recorder, costs, wall_seconds);
+    let told = (simulation.costs(), stages.as_slice());
+    let extent = (particles, clock.step - costs.first_step);
+    let profile = costs.profiler.as_ref();
+    let profile = profile.map(|profiler| profile::profile(profiler, &folder.profile(), told, extent));
     let summary = Summary {
         scene: scene.title.clone(),
         status: Some(ending.status),
@@ -50,7 +56,8 @@ pub(super) fn report(
         ns_per_particle_step: costs.steps.wall * 1e9 / particle_steps,
         core_ns_per_particle_step: costs.steps.cpu * 1e9 / particle_steps,
         step_bounds: clock.bounds_met().iter().map(|(reason, steps)| (reason.to_string(), *steps)).collect(),
-        stages: stages(simulation, recorder, costs, wall_seconds),
+        profile: profile.transpose()?,
+        stages,
         measures: outcomes.iter().map(measure).collect(),
         conservation: Conservation { momentum_z, energy, mass },
         version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -84,6 +91,6 @@ fn stages(simulation: &Simulation, recorder: &Recorder, costs: &Costs, wall_seco
         stages.push(stage("packing and settling", 1, costs.settling.wall));
     }
     let taken = simulation.world.clock.step - costs.first_step;
-    stages.push(stage("outputs", taken, recorder.cost.wall));
+    stages.push(stage(OUTPUTS, taken, recorder.cost.wall));
     stages
 }

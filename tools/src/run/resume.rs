@@ -30,7 +30,7 @@ pub(crate) fn resume(arguments: &ResumeArguments) -> Result<ExitCode, Failure> {
     let pool = pool(arguments.extent.threads)?;
     folder.write_scene(&scene.text)?;
     let display = Display::alone(arguments.extent.quiet);
-    let run = Run { scene, folder, signals, display, started };
+    let run = Run { scene, folder, signals, display, profiler: None, started };
     eprintln!("continues from {name}");
     pool.install(|| run.go(start)).map(|summary| tell(&summary))
 }

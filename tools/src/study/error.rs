@@ -110,6 +110,7 @@ pub(crate) mod tests {
             core_ns_per_particle_step: 1000.0,
             step_bounds: Vec::new(),
             stages: Vec::new(),
+            profile: None,
             measures: vec![measure],
             conservation: Conservation { momentum_z: 1e-14, energy: f64::NAN, mass: 0.0 },
             version: String::new(),

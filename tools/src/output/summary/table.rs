@@ -2,9 +2,9 @@
 
 use std::io::{self, Write};
 
-use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
+use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, Table, Width, presets};
 
-use super::{Measure, StageCost, Status, Summary};
+use super::{Measure, PairSpeed, Profile, StageCost, StageProfile, Status, Summary};
 use crate::output::units::{duration, grouped, quantity, significant};
 
 /// Widest line of the printed tables.
@@ -49,7 +49,9 @@ pub fn print_table(summary: &Summary, out: &mut impl Write) -> io::Result<()> {
         duration(summary.wall_seconds),
         duration(summary.cpu_seconds),
     )?;
-    if !summary.stages.is_empty() {
+    if let Some(profile) = &summary.profile {
+        writeln!(out, "{}", profile_table(profile))?;
+    } else if !summary.stages.is_empty() {
         writeln!(out, "{}", stages_table(summary))?;
     }
     if !summary.step_bounds.is_empty() {
@@ -100,6 +102,45 @@ fn stages_table(summary: &Summary) -> Table {
     align(table)
 }
 
+fn profile_table(profile: &Profile) -> Table {
+    const EACH: usize = 3;
+    let mut table = table([
+        "stage",
+        "elapsed",
+        "share",
+        "per particle and step",
+        "imbalance",
+        "pairs",
+        "GB/s",
+        "GFLOP/s",
+    ]);
+    let mut stages: Vec<&StageProfile> = profile.stages.iter().collect();
+    stages.sort_by(|a, b| b.seconds.total_cmp(&a.seconds));
+    for stage in stages {
+        let number = |value: Option<f64>| value.map_or_else(String::new, |value| significant(value, 3));
+        let pairs = |of: fn(&PairSpeed) -> f64| number(stage.pairs.as_ref().map(of));
+        table.add_row([
+            stage.name.clone(),
+            duration(stage.seconds),
+            format!("{:.1} %", stage.share * 100.0),
+            quantity(stage.ns_per_particle_step * 1e-9, "s", 3),
+            number(stage.imbalance),
+            pairs(|pairs| pairs.per_particle_step),
+            pairs(|pairs| pairs.gigabytes_per_second),
+            pairs(|pairs| pairs.gigaflops),
+        ]);
+    }
+    // Names and numbers stay whole, a heading need not.
+    for (number, column) in table.column_iter_mut().enumerate() {
+        column.set_constraint(match number {
+            0 => ColumnConstraint::LowerBoundary(Width::Fixed(22)),
+            EACH => ColumnConstraint::Absolute(Width::Fixed(14)),
+            _ => ColumnConstraint::ContentWidth,
+        });
+    }
+    align(table)
+}
+
 fn table<const COLUMNS: usize>(header: [&str; COLUMNS]) -> Table {
     let mut table = Table::new();
     table
@@ -144,8 +185,39 @@ mod tests {
             assert!(text.contains(part), "{part} is not in\n{text}");
         }
         assert!(text.lines().all(|line| line.chars().count() <= 100), "{text}");
+        assert!(!text.contains("imbalance"), "{text}");
         if std::env::var_os("MENISCUS_SHOW").is_some() {
             println!("{text}");
         }
+    }
+
+    #[test]
+    fn a_profile_fits_with_its_headings_whole() {
+        let mut summary = example();
+        let pairs = PairSpeed {
+            per_particle_step: 13.2,
+            per_nanosecond: 0.191,
+            gigabytes_per_second: 22.4,
+            gigaflops: 25.8,
+        };
+        let stage = |name: &str, pairs| StageProfile {
+            name: name.to_owned(),
+            calls: 12_000,
+            seconds: 6.63,
+            share: 0.219,
+            ns_per_particle_step: 68.9,
+            busy: vec![0.9, 0.8],
+            imbalance: Some(1.0588),
+            pairs,
+        };
+        let stages = vec![stage("flux", Some(pairs)), stage("packing and settling", None)];
+        summary.profile = Some(Profile { stages });
+        let mut out = Vec::new();
+        print_table(&summary, &mut out).unwrap();
+        let text = String::from_utf8(out).unwrap();
+        for part in ["packing and settling", "imbalance", "1.06", "GFLOP/s", "25.8"] {
+            assert!(text.contains(part), "{part} is not in\n{text}");
+        }
+        assert!(text.lines().all(|line| line.chars().count() <= 100), "{text}");
     }
 }

@@ -1,0 +1,81 @@
+//! The operations that pair terms and contacts declare are those that they do: their own source, compiled
+//! here with lanes that count.
+
+// Of that source only what works on pairs is called.
+#![allow(dead_code)]
+
+extern crate meniscus_engine as engine;
+// The source finds the lanes of this crate, and what else it asks of the engine.
+extern crate self as meniscus_engine;
+
+use engine::{field, neighbours, store, wiring};
+
+#[path = "../../src/contact.rs"]
+mod contact;
+#[path = "../../src/fields.rs"]
+mod fields;
+#[path = "../../src/geometry.rs"]
+mod geometry;
+mod lanes;
+#[path = "../../../engine/src/pairs/terms.rs"]
+mod pairs;
+#[path = "../../src/record.rs"]
+mod record;
+#[path = "../../src/terms/mod.rs"]
+mod terms;
+
+use contact::{Contact, ContactProblem, FirstOrder, Limited, Reconstruction, Shock};
+use geometry::{Geometry, HarmonicMean, NearAxisParshikov, Parshikov};
+use lanes::{Lanes, WIDTH, counted};
+use pairs::{Interaction, PairTerm, Record};
+use record::{DeformationRecord, FlowRecord, FlowState, ShockRecord};
+use terms::{Crowding, DensityRate, EnergyRate, GhostWeight, MomentMatrix, PressureRiemann, VelocitySum};
+use wiring::Wiring;
+
+const GEOMETRY: HarmonicMean = HarmonicMean { origin: 0.0 };
+
+fn record<R: Record>() -> R {
+    R::from_slots([Lanes; WIDTH], [Lanes; WIDTH / 2])
+}
+
+fn contact<R: FlowState, G: Geometry, F: Reconstruction<R>>(geometry: G, reconstruction: F) -> Contact {
+    let problem = ContactProblem { geometry, reconstruction };
+    let (a, b) = (record::<R>(), record::<R>());
+    let own = Interaction::<R>::prepare(&problem, &a);
+    let (operations, contact) = counted(|| problem.evaluate(&a, &own, &b));
+    let declared = Interaction::<R>::operations(&problem);
+    assert_eq!(declared, operations, "{}", std::any::type_name::<ContactProblem<G, F>>());
+    contact
+}
+
+#[test]
+fn contacts_do_what_they_declare() {
+    contact::<FlowRecord, _, _>(GEOMETRY, FirstOrder);
+    contact::<DeformationRecord, _, _>(NearAxisParshikov { origin: 0.0, axis_factor: 2.0 }, FirstOrder);
+    contact::<DeformationRecord, _, _>(GEOMETRY, Limited { sharpness: 1.0 });
+    contact::<ShockRecord, _, _>(Parshikov { origin: 0.0 }, Shock { slope: 2.0 });
+}
+
+fn term<T: PairTerm<DeformationRecord, Contact>>(name: &str, term: T) {
+    let pair = contact::<DeformationRecord, _, _>(GEOMETRY, FirstOrder);
+    let (a, b, mut sum) = (record(), record(), term.zero());
+    let (operations, ()) = counted(|| term.add(&a, &b, &pair, &mut sum));
+    assert!(operations > 0);
+    assert_eq!(term.operations(), operations, "{name}");
+}
+
+#[test]
+fn terms_do_what_they_declare() {
+    let mut wiring = Wiring::new();
+    let wiring = &mut wiring;
+    wiring.stage("flux");
+    term("crowding", Crowding::new(wiring, 0.5));
+    term("density rate", DensityRate::new(wiring, GEOMETRY));
+    term("energy rate", EnergyRate::new(wiring, GEOMETRY));
+    term("ghost weight", GhostWeight::new(wiring, GEOMETRY));
+    term("moment matrix", MomentMatrix::new(wiring));
+    term("pressure", PressureRiemann::new(wiring, GEOMETRY));
+    term("velocity sum", VelocitySum::new(wiring));
+    let fused = (MomentMatrix::new(wiring), Some(GhostWeight::new(wiring, GEOMETRY)), None::<VelocitySum>);
+    term("fused terms", fused);
+}

@@ -1,0 +1,218 @@
+//! What each thread does in each stage, from the spans of the engine.
+
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
+
+use crate::failure::Failure;
+
+/// Of so many steps one is watched, and all that go into the trace: watching every step would cost 4 % of the
+/// run. A prime, so that what happens every few steps is met as often as it happens.
+const SAMPLE: u64 = 7;
+/// Steps at the start of a run that go into its trace, one by one.
+const OPENING: u64 = 200;
+/// From then on, each of so many.
+const INTERVAL: u64 = 1000;
+/// Most pieces of work in a trace, of all threads together: about 15 MB of text. A step that would begin
+/// beyond half of them in the opening, or beyond all later, is left out.
+const MOST: usize = 1 << 17;
+
+/// Identities of what has a length: a chunk, a step, then the stages in the order of their first run.
+pub(super) const CHUNK: u64 = 1;
+pub(super) const STEP: u64 = 2;
+pub(super) const STAGES: u64 = 3;
+
+/// Follows the spans of a run: how long each thread is busy in each stage, and some steps piece by piece.
+/// It observes; what is computed stays the same, bit for bit.
+pub(in crate::run) struct Profiler {
+    origin: Instant,
+    /// Off while particles are packed and settle.
+    recording: AtomicBool,
+    /// Whether the present step is watched.
+    watching: AtomicBool,
+    /// Whether it goes into the trace.
+    traced: AtomicBool,
+    /// Identity of the present stage.
+    present: AtomicU64,
+    stages: Mutex<Vec<Busy>>,
+    threads: Vec<Mutex<Thread>>,
+}
+
+/// How long the threads worked on the chunks of a stage, in the steps that were watched.
+#[derive(Clone, Debug)]
+pub(super) struct Busy {
+    pub(super) stage: String,
+    /// Elapsed nanoseconds.
+    pub(super) elapsed: u64,
+    /// Nanoseconds of each thread.
+    pub(super) threads: Vec<u64>,
+    /// Sum over the calls of the longest time of a thread, in nanoseconds.
+    pub(super) longest: u64,
+}
+
+/// A piece of work that a trace shows.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Piece {
+    pub(super) kind: Kind,
+    /// Nanoseconds since the profiler began.
+    pub(super) start: u64,
+    /// Its length in nanoseconds.
+    pub(super) length: u64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// A step of a number.
+    Step(u64),
+    /// A stage, by its place among the profiler's.
+    Stage(usize),
+    /// A chunk of a stage.
+    Chunk(usize),
+}
+
+#[derive(Default)]
+struct Thread {
+    /// Starts of the spans and chunks that are open.
+    open: Vec<u64>,
+    /// Nanoseconds in chunks of the present stage.
+    busy: u64,
+    step: u64,
+    pieces: Vec<Piece>,
+}
+
+/// A panic elsewhere must not hide behind one here.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Profiler {
+    /// A profiler of all spans of this process from now on, for so many threads.
+    ///
+    /// # Errors
+    /// If the process has one already.
+    pub(in crate::run) fn listen(threads: usize) -> Result<Arc<Self>, Failure> {
+        let room = |_| Thread {
+            open: Vec::with_capacity(8),
+            pieces: Vec::with_capacity(MOST / threads),
+            ..Thread::default()
+        };
+        let profiler = Arc::new(Profiler {
+            origin: Instant::now(),
+            recording: AtomicBool::new(false),
+            watching: AtomicBool::new(false),
+            traced: AtomicBool::new(false),
+            present: AtomicU64::new(STAGES),
+            stages: Mutex::default(),
+            threads: (0..threads).map(room).map(Mutex::new).collect(),
+        });
+        tracing::subscriber::set_global_default(Arc::clone(&profiler))
+            .map_err(|error| Failure::on_the_way(format!("cannot follow the stages: {error}")))?;
+        Ok(profiler)
+    }
+
+    /// Records, or not, what happens from now on.
+    pub(in crate::run) fn record(&self, recording: bool) {
+        self.recording.store(recording, Ordering::Relaxed);
+        self.watching.store(false, Ordering::Relaxed);
+    }
+
+    /// How busy the threads were in each stage.
+    pub(super) fn busy(&self) -> Vec<Busy> {
+        lock(&self.stages).clone()
+    }
+
+    /// Hands out the pieces of work of every thread for a trace.
+    pub(super) fn pieces(&self) -> impl Iterator<Item = Vec<Piece>> + '_ {
+        self.threads.iter().map(|thread| lock(thread).pieces.clone())
+    }
+
+    /// Whether a step goes into the trace.
+    fn is_traced(&self, step: u64, pieces: usize) -> bool {
+        let most = MOST / self.threads.len();
+        (step < OPENING && pieces < most / 2) || (step.is_multiple_of(INTERVAL) && pieces < most)
+    }
+
+    /// The thread that asks, while it is watched.
+    fn watched(&self) -> Option<MutexGuard<'_, Thread>> {
+        let watching = self.watching.load(Ordering::Relaxed);
+        let number = watching.then(rayon::current_thread_index).flatten()?;
+        self.threads.get(number).map(lock)
+    }
+
+    /// Decides whether a step is watched.
+    pub(super) fn begin_step(&self, number: u64) {
+        let thread = rayon::current_thread_index().and_then(|thread| self.threads.get(thread));
+        let Some(thread) = thread.filter(|_| self.recording.load(Ordering::Relaxed)) else { return };
+        let mut thread = lock(thread);
+        let traced = self.is_traced(number, thread.pieces.len());
+        thread.step = number;
+        self.traced.store(traced, Ordering::Relaxed);
+        self.watching.store(traced || number.is_multiple_of(SAMPLE), Ordering::Relaxed);
+    }
+
+    /// The identity of a stage.
+    pub(super) fn stage(&self, name: &str) -> u64 {
+        let mut stages = lock(&self.stages);
+        let known = stages.iter().position(|stage| stage.stage == name);
+        let place = known.unwrap_or_else(|| {
+            let threads = vec![0; self.threads.len()];
+            stages.push(Busy { stage: name.to_owned(), elapsed: 0, threads, longest: 0 });
+            stages.len() - 1
+        });
+        STAGES + place as u64
+    }
+
+    /// Takes down how busy each thread was, when all of them have finished a stage.
+    fn end_stage(&self, place: usize, elapsed: u64) {
+        let mut stages = lock(&self.stages);
+        let stage = &mut stages[place];
+        let mut longest = 0;
+        for (thread, total) in self.threads.iter().zip(&mut stage.threads) {
+            let busy = std::mem::take(&mut lock(thread).busy);
+            *total += busy;
+            longest = busy.max(longest);
+        }
+        stage.elapsed += elapsed;
+        stage.longest += longest;
+    }
+
+    fn now(&self) -> u64 {
+        self.origin.elapsed().as_nanos() as u64
+    }
+
+    /// Says which stage the chunks from now on are of.
+    pub(super) fn enter_stage(&self, identity: u64) {
+        self.present.store(identity, Ordering::Relaxed);
+    }
+
+    /// Notes the begin of a span or chunk.
+    pub(super) fn begin(&self) {
+        if let Some(mut thread) = self.watched() {
+            let now = self.now();
+            thread.open.push(now);
+        }
+    }
+
+    /// Takes down what has come to its end.
+    pub(super) fn end(&self, identity: u64) {
+        let Some(mut thread) = self.watched() else { return };
+        let Some(start) = thread.open.pop() else { return };
+        let length = self.now() - start;
+        let place = |identity: u64| (identity - STAGES) as usize;
+        let kind = match identity {
+            CHUNK => {
+                thread.busy += length;
+                Kind::Chunk(place(self.present.load(Ordering::Relaxed)))
+            }
+            STEP => Kind::Step(thread.step),
+            identity => Kind::Stage(place(identity)),
+        };
+        if self.traced.load(Ordering::Relaxed) && thread.pieces.len() < thread.pieces.capacity() {
+            thread.pieces.push(Piece { kind, start, length });
+        }
+        drop(thread);
+        if let Kind::Stage(place) = kind {
+            self.end_stage(place, length);
+        }
+    }
+}
