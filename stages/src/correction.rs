@@ -1,15 +1,28 @@
 //! Correction: the surface force joins the others, without moving the whole.
 
+use crate::drops::count;
 use crate::fields;
 use meniscus_engine::parallel;
 use meniscus_engine::pipeline::{Fault, Stage, World};
 use meniscus_engine::store::{Add, Read};
 use meniscus_engine::wiring::Wiring;
 
-/// f += f_s - rho F_z/m_tot e_z with F_z = sum_a (m_a/rho_a) f_s,z: the paper's momentum correction
-/// (method.md, section 8). Ghosts are no bodies that could take up momentum.
+/// Over which particles the momentum is spread that surface forces would bring in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Recoil {
+    /// Over those of the same drop: none drives itself or another one.
+    Drop,
+    /// Over all, as in the paper.
+    Whole,
+    /// It stays where it is.
+    None,
+}
+
+/// f += f_s - rho F_z/m e_z with F_z = sum_a (m_a/rho_a) f_s,z and the mass m of one drop or of the whole: the
+/// paper's momentum correction (method.md, section 8). Ghosts are no bodies that could take up momentum.
 pub struct MomentumCorrection {
-    conserve: bool,
+    recoil: Recoil,
+    drop: Option<Read<u32>>,
     mass: Read<f64>,
     density: Read<f64>,
     surface_force: [Read<f64>; 2],
@@ -17,12 +30,13 @@ pub struct MomentumCorrection {
 }
 
 impl MomentumCorrection {
-    /// With `conserve` false the surface force is added as it is.
-    pub fn new(wiring: &mut Wiring, conserve: bool) -> Self {
+    /// Adds the surface force to the others.
+    pub fn new(wiring: &mut Wiring, recoil: Recoil) -> Self {
         wiring.stage("correction");
         let surface_force = [&fields::SURFACE_FORCE_R, &fields::SURFACE_FORCE_Z];
         MomentumCorrection {
-            conserve,
+            recoil,
+            drop: (recoil == Recoil::Drop).then(|| wiring.read(&fields::DROP)),
             mass: wiring.read(&fields::MASS),
             density: wiring.read(&fields::DENSITY),
             surface_force: surface_force.map(|field| wiring.read(field)),
@@ -43,18 +57,33 @@ impl Stage for MomentumCorrection {
         let [mut force_r, mut force_z] = self.force.map(|field| store.write(field));
         let (mass, density) = (&mass[..], &density[..]);
         let (surface_r, surface_z) = (&surface_r[..], &surface_z[..]);
-        let acceleration = if self.conserve {
-            let force = parallel::sum(mass.len(), |i| mass[i] / density[i] * surface_z[i]);
-            force / parallel::sum(mass.len(), |i| mass[i])
-        } else {
-            0.0
-        };
+        let drop = self.drop.map(|drop| store.read(drop));
+        let drops = drop.as_ref().map_or(1, |drop| count(drop));
+        // Of each drop: mass and force.
+        let sums = world.arena.alloc_slice_fill_copy(drops, [0.0f64; 2]);
+        match &drop {
+            Some(drop) if drops > 1 => {
+                for (i, &number) in drop.iter().enumerate() {
+                    let sum = &mut sums[number as usize];
+                    sum[0] += mass[i];
+                    sum[1] += mass[i] / density[i] * surface_z[i];
+                }
+            }
+            _ if self.recoil == Recoil::None => sums[0][0] = 1.0,
+            _ => {
+                let force = parallel::sum(mass.len(), |i| mass[i] / density[i] * surface_z[i]);
+                sums[0] = [parallel::sum(mass.len(), |i| mass[i]), force];
+            }
+        }
+        let sums = &*sums;
+        let drop = drop.as_ref().filter(|_| drops > 1).map(|drop| &drop[..]);
         let columns = (&mut force_r[..], &mut force_z[..]);
         parallel::for_chunks(mass.len(), columns, |start, (force_r, force_z)| {
             for k in 0..force_r.len() {
                 let i = start + k;
+                let [mass, force] = sums[drop.map_or(0, |drop| drop[i] as usize)];
                 force_r[k] += surface_r[i];
-                force_z[k] += surface_z[i] - density[i] * acceleration;
+                force_z[k] += surface_z[i] - density[i] * (force / mass);
             }
         });
         Ok(())

@@ -5,7 +5,7 @@ use crate::equation_of_state::Packing;
 use crate::fields;
 use crate::surface::{BOUNDARY, NEAR_BOUNDARY};
 use crate::surface_neighbours::SurfaceNeighbours;
-use crate::surface_search::{Found, Start, find};
+use crate::surface_search::{Found, SHARPEST, Start, find};
 use atomic_refcell::AtomicRefMut;
 use meniscus_engine::parallel;
 use meniscus_engine::pipeline::{Fault, Stage, World};
@@ -164,6 +164,8 @@ impl CurvatureColour {
         let along = foot[0] * tangent[0] + foot[1] * tangent[1];
         // The slope's place is the boundary particle, the way to it is `way`.
         let carried = pressure - slope[0] * way[0] - slope[1] * way[1];
+        let most = 2.0 * SHARPEST * self.settings.surface_tension / self.packing.largest_size;
+        let carried = carried.clamp(-most, most);
         (carried, slope, [foot[0] - along * tangent[0], foot[1] - along * tangent[1]])
     }
 

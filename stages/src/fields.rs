@@ -24,6 +24,9 @@ pub static MASS: Real = Field::state("mass", "m", "kg", "Mass of the particle's 
 /// Total specific energy, kinetic and internal.
 pub static TOTAL_ENERGY: Real =
     Field::state("total_energy", "E", "J/kg", "Specific kinetic and internal energy.");
+/// Which drop it belongs to.
+pub static DROP: Index =
+    Field::state("drop", "d", "1", "Number of the connected body of liquid that the particle belongs to.");
 /// Constant that is subtracted from pressures.
 pub static REFERENCE_PRESSURE: Real = Field::state(
     "reference_pressure",

@@ -9,6 +9,7 @@ pub mod contact;
 pub mod correction;
 pub mod curvature_colour;
 pub mod curvature_normals;
+pub mod drops;
 pub mod equation_of_state;
 pub mod fields;
 pub mod geometry;

@@ -25,6 +25,9 @@ const MOST_EVALUATIONS: usize = 5;
 /// So close to the surface, in particle sizes, what is left of the way is a parallel shift.
 const CLOSE: f64 = 0.1;
 
+/// Largest principal curvature times the particle size: nothing smaller than a particle is resolved.
+pub(crate) const SHARPEST: f64 = 1.0;
+
 /// Where the search for the surface starts.
 pub(crate) enum Start {
     /// At the particle, whose colour is known.
@@ -65,13 +68,17 @@ pub(crate) fn find(
         evaluations += 1;
     }
     let length = steepness(&colour);
-    if length.is_nan() || length <= 0.0 {
+    // Spray is too small for the colour to rise to one half anywhere: it has no surface to find.
+    let lost =
+        length.is_nan() || length <= 0.0 || (inward.abs() >= size && std::env::var_os("NOLOST").is_none());
+    if lost {
         return Found::default();
     }
     let [r, z] = colour.gradient.map(|component| component / length);
-    // Nothing smaller than a particle is resolved: each curvature stays below 1/D.
-    let most = 1.0 / size;
-    let limit = |curvature: f64| if curvature.is_finite() { curvature.clamp(-most, most) } else { 0.0 };
+    let limit = |curvature: f64| match curvature.is_finite() {
+        true => curvature.clamp(-SHARPEST / size, SHARPEST / size),
+        false => 0.0,
+    };
     // The level set lies `inward` outside of the surface: parallel surfaces' radii differ by that.
     let [meridional, hoop] = curvatures(&colour, foot[0] + origin, size).map(limit);
     let at_surface = |curvature: f64| limit(curvature / (1.0 - inward * curvature));

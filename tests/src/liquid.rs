@@ -3,7 +3,7 @@
 use crate::drops::scene;
 use crate::reference::{Medium, Particle, Weights};
 use meniscus_cases::assemble::{Assembly, Physics, assemble};
-use meniscus_cases::scene::{AxisTreatment, Flux, Method, ReferencePressure, Scheme};
+use meniscus_cases::scene::{AxisTreatment, Flux, Method, Recoil, ReferencePressure, Scheme};
 use meniscus_engine::clock::Clock;
 use meniscus_engine::pipeline::{Pipeline, World};
 use std::f64::consts::PI;
@@ -42,7 +42,7 @@ pub fn bare_method() -> Method {
         tangential_pressure: false,
         strain_correction: false,
         colour_guard: 0.0,
-        momentum_correction: false,
+        momentum_correction: Recoil::None,
         ..Method::defaults()
     }
 }

@@ -1,9 +1,10 @@
-//! The `hard` scenes of the cases without surface tension: nothing may become infinite, win energy, cross
-//! the axis or gather neighbours without bound.
+//! The `hard` scenes of the cases: nothing may become infinite, win energy, cross the axis or gather
+//! neighbours without bound.
 
 use meniscus_cases::scene::{Scene, read};
 use meniscus_cases::simulation::Simulation;
 use meniscus_tests::drops::{self, column, totals};
+use std::f64::consts::PI;
 use std::path::Path;
 
 /// Most neighbours of one particle within its list. A packing has 15 at the least smoothing length; a shock
@@ -86,4 +87,62 @@ fn a_gas_without_heat_survives_its_way_into_a_point() {
 #[test]
 fn a_long_spheroid_does_not_win_energy() {
     survive("free-spheroid", &[]);
+}
+
+/// Momentum along the axis, over the largest sum of |m U_z|: each step adds a rounding of that sum.
+const MOMENTUM: f64 = 1e-11;
+
+/// Runs a scene with surface tension to the end. The surface may give no more than all its energy at the
+/// start, `surface` times the tension (m2).
+fn survive_with_tension(case: &str, settings: &[&str], surface: f64) {
+    let scene = hard(case, settings);
+    let mut simulation = drops::start(&scene);
+    let start = totals(&simulation);
+    let available = start.kinetic + scene.liquid.surface_tension * surface;
+    let (mut most, mut scale) = (0.0_f64, start.momentum_scale);
+    while simulation.world.clock.time < scene.until {
+        drops::advance(&mut simulation, 100);
+        assert!(drops::is_finite(&simulation), "{case} {settings:?}");
+        let least = column(&simulation, "radius").into_iter().fold(f64::INFINITY, f64::min);
+        assert!(least > 0.0, "{case} {settings:?}: radius {least}");
+        let now = totals(&simulation);
+        most = most.max(now.kinetic / available);
+        scale = scale.max(now.momentum_scale);
+        assert!(most < 1.0, "{case} {settings:?}: {most} of the energy there was");
+        let drift = (now.momentum - start.momentum).abs() / scale;
+        assert!(drift < MOMENTUM, "{case} {settings:?}: axial momentum drifts by {drift:e}");
+    }
+    println!("{case} {settings:?}: at most {most:.3} of the energy in motion");
+}
+
+#[test]
+fn small_drops_merge_at_speed() {
+    let surface = 4.0 * PI * (1.0e-12 + 0.49e-12);
+    for size in ["0.115 um", "0.1 um", "0.085 um", "0.067 um"] {
+        survive_with_tension("drop-collision-capillary", &[&format!("particle_size=\"{size}\"")], surface);
+    }
+}
+
+#[test]
+fn a_long_drop_shoots_past_the_sphere_and_comes_back() {
+    let (radial, axial) = (1e-6_f64, 3e-6_f64);
+    let eccentricity = (1.0 - (radial / axial).powi(2)).sqrt();
+    let surface = 2.0 * PI * radial * (radial + axial / eccentricity * eccentricity.asin());
+    for size in ["90 nm", "75 nm", "66.7 nm"] {
+        survive_with_tension("oscillating-drop", &[&format!("particle_size=\"{size}\"")], surface);
+    }
+}
+
+#[test]
+fn a_ring_closes_on_the_axis() {
+    let surface = 4.0 * PI * PI * 2e-6 * 0.5e-6;
+    for size in ["75 nm", "66.7 nm", "55 nm"] {
+        survive_with_tension("closing-torus", &[&format!("particle_size=\"{size}\"")], surface);
+    }
+}
+
+#[test]
+fn a_disc_draws_back_and_closes_on_the_axis() {
+    let (radius, thickness) = (3e-6, 0.5e-6);
+    survive_with_tension("taylor-culick-film", &[], 2.0 * PI * radius * (radius + thickness));
 }

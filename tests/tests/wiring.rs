@@ -2,7 +2,7 @@
 
 use meniscus_cases::assemble::{Equation, Physics, assemble};
 use meniscus_cases::scene::{
-    AxisTreatment, Curvature, Flux, Method, ReferencePressure, Scheme, TimeIntegration,
+    AxisTreatment, Curvature, Flux, Method, Recoil, ReferencePressure, Scheme, TimeIntegration,
 };
 use meniscus_stages::liquids::MieGrueneisen;
 use meniscus_tests::liquid::{self, Block, Random, SIZE};
@@ -31,8 +31,8 @@ fn physics(number: u32) -> Physics {
         tangential_pressure: bit(8),
         strain_correction: bit(9),
         colour_guard: if bit(10) { 0.85 } else { 0.0 },
-        momentum_correction: bit(11),
-        reference_pressure: [ReferencePressure::Component, ReferencePressure::None][usize::from(bit(12))],
+        momentum_correction: [Recoil::Drop, Recoil::Whole][usize::from(bit(11))],
+        reference_pressure: [ReferencePressure::Drop, ReferencePressure::None][usize::from(bit(12))],
         ..Method::defaults()
     };
     let surface_tension = if bit(6) { 0.074 } else { 0.0 };

@@ -2,7 +2,8 @@
 
 use super::{Equation, Physics, PlanLine};
 use crate::scene::{
-    AxisTreatment, Curvature, FREE_SHIFTING, Flux, ReferencePressure, SHIFTING, Scheme, TimeIntegration,
+    AxisTreatment, Curvature, FREE_SHIFTING, Flux, Recoil, ReferencePressure, SHIFTING, Scheme,
+    TimeIntegration,
 };
 use meniscus_engine::pipeline::Stage;
 use meniscus_engine::wiring::Wiring;
@@ -13,6 +14,7 @@ use meniscus_stages::colour_field::ColourField;
 use meniscus_stages::correction::MomentumCorrection;
 use meniscus_stages::curvature_colour::{ColourCurvature, CurvatureColour};
 use meniscus_stages::curvature_normals::CurvatureNormals;
+use meniscus_stages::drops::Drops;
 use meniscus_stages::equation_of_state::{Packing, Second, State};
 use meniscus_stages::fields;
 use meniscus_stages::ghost_coupling::GhostCoupling;
@@ -52,8 +54,13 @@ impl Builder<'_> {
 
     /// A reference pressure belongs to a drop under surface tension: elsewhere none builds up.
     fn with_reference(&self) -> bool {
-        let asked = self.physics.method.reference_pressure == ReferencePressure::Component;
+        let asked = self.physics.method.reference_pressure == ReferencePressure::Drop;
         asked && self.with_tension()
+    }
+
+    fn with_drops(&self) -> bool {
+        let recoil = self.physics.method.momentum_correction == Recoil::Drop;
+        self.with_reference() || (recoil && self.with_tension())
     }
 
     pub(super) fn with_energy(&self) -> bool {
@@ -129,6 +136,10 @@ impl Builder<'_> {
         stages.push(self.state());
         self.plan("flux", true, (&self.describe_flux(), ""));
         stages.push(self.flux());
+        let reasons = ("every drop has its own pressure and momentum", "nothing asks which drop is which");
+        if self.plan("drops", self.with_drops(), reasons) {
+            stages.push(Box::new(Drops::new(&mut self.wiring, self.packing)));
+        }
         let reasons = ("surface tension or shifting must know the surface", "nothing acts at the surface");
         if self.plan("boundary-detect", self.with_surface(), reasons) {
             stages.push(self.boundary());
@@ -152,8 +163,8 @@ impl Builder<'_> {
         }
         let reasons = ("surface forces join; they must not move the whole", "there is no surface tension");
         if self.plan("correction", self.with_tension(), reasons) {
-            let conserve = method.momentum_correction;
-            stages.push(Box::new(MomentumCorrection::new(&mut self.wiring, conserve)));
+            let recoil = method.momentum_correction;
+            stages.push(Box::new(MomentumCorrection::new(&mut self.wiring, recoil)));
         }
         let without_images =
             (method.scheme, method.axis) == (Scheme::HarmonicMean, AxisTreatment::Conservative);
@@ -171,7 +182,7 @@ impl Builder<'_> {
         let reasons = ("a constant pressure must not act on the packing's disorder", "not asked for");
         let reference = self.with_reference();
         if self.plan("reference-pressure", reference, reasons) {
-            let stage = reference_pressure::ReferencePressure::new(&mut self.wiring, self.packing);
+            let stage = reference_pressure::ReferencePressure::new(&mut self.wiring);
             stages.push(Box::new(stage));
         }
         let reasons = ("the kernel sum is short", "not asked for");

@@ -124,8 +124,12 @@ fn largest_change(values: &[f64]) -> Option<f64> {
 }
 
 /// Largest change of the axial momentum over the sum of its magnitudes at the start.
+/// Over the sum of |m U_z| at the start, or where the liquid starts at rest over the largest one.
 fn momentum_drift(history: &History) -> Outcome {
-    let scale = history.of("momentum scale").first().copied().filter(|scale| *scale > 0.0);
+    let scales = history.of("momentum scale");
+    let largest = scales.iter().copied().fold(0.0, f64::max);
+    let scale = scales.first().copied().map(|start| if start > 0.0 { start } else { largest });
+    let scale = scale.filter(|scale| *scale > 0.0);
     let drift = largest_change(&history.of("momentum z")).zip(scale).map(|(change, scale)| change / scale);
     Outcome::of("momentum-drift".to_owned(), drift, "1").against(0.0)
 }

@@ -1,6 +1,7 @@
 //! The named choices of the method.
 
 use super::values::Choice;
+pub use meniscus_stages::correction::Recoil;
 
 /// Weights of the pair sums in r.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -50,8 +51,8 @@ pub enum Curvature {
 /// Pressure that forces are measured from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ReferencePressure {
-    /// One for each connected body of liquid.
-    Component,
+    /// One for each drop, a connected body of liquid.
+    Drop,
     /// None.
     None,
 }
@@ -81,6 +82,11 @@ impl Choice for Curvature {
         &[("colour-field", Self::ColourField), ("normal-divergence", Self::NormalDivergence)];
 }
 
+impl Choice for Recoil {
+    const NAMES: &'static [(&'static str, Self)] =
+        &[("drop", Self::Drop), ("whole", Self::Whole), ("none", Self::None)];
+}
+
 impl Choice for ReferencePressure {
-    const NAMES: &'static [(&'static str, Self)] = &[("component", Self::Component), ("none", Self::None)];
+    const NAMES: &'static [(&'static str, Self)] = &[("drop", Self::Drop), ("none", Self::None)];
 }

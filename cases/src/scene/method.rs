@@ -1,6 +1,6 @@
 //! The numerical choices of a scene.
 
-use super::choices::{AxisTreatment, Curvature, Flux, ReferencePressure, Scheme, TimeIntegration};
+use super::choices::{AxisTreatment, Curvature, Flux, Recoil, ReferencePressure, Scheme, TimeIntegration};
 use super::diagnosis::Fault;
 use super::entry::Entry;
 use super::quantity::NUMBER;
@@ -41,8 +41,8 @@ pub struct Method {
     pub strain_correction: bool,
     /// Threshold of the guard of the colour field, from 0 (off) to 1.
     pub colour_guard: f64,
-    /// Whether the momentum that surface forces bring in is taken out again.
-    pub momentum_correction: bool,
+    /// Over which particles the momentum is spread that surface forces would bring in.
+    pub momentum_correction: Recoil,
     /// Coefficient of particle shifting, 0 for none; without a choice it is [`SHIFTING`] where there is
     /// surface tension, [`FREE_SHIFTING`] where there is none, and none where the energy equation is solved.
     pub shifting: Option<f64>,
@@ -73,12 +73,12 @@ impl Method {
             curvature_interval: 4,
             colour_support: 11.0,
             normal_theta: 1.5,
-            reference_pressure: ReferencePressure::Component,
+            reference_pressure: ReferencePressure::Drop,
             kernel_correction: true,
             tangential_pressure: true,
             strain_correction: true,
             colour_guard: 0.85,
-            momentum_correction: true,
+            momentum_correction: Recoil::Drop,
             shifting: None,
             cfl: 0.5,
         }
@@ -98,6 +98,7 @@ impl Method {
             tangential_pressure: false,
             strain_correction: false,
             colour_guard: 0.0,
+            momentum_correction: Recoil::Whole,
             shifting: Some(0.0),
             cfl: 0.3,
             ..Self::defaults()
@@ -140,7 +141,7 @@ impl Method {
                 entry.checked(NUMBER, "must lie between 0 (off) and 1", |value| (0.0..=1.0).contains(&value))
             })?,
             momentum_correction: table
-                .read_or("momentum_correction", base.momentum_correction, |entry| entry.flag())?,
+                .read_or("momentum_correction", base.momentum_correction, |entry| entry.choice())?,
             shifting: table
                 .read_or("shifting", base.shifting, |entry| entry.not_negative(NUMBER).map(Some))?,
             cfl: table.read_or("cfl", base.cfl, |entry| {

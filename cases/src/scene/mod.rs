@@ -34,7 +34,7 @@ mod values;
 mod written;
 
 pub use body::{Body, VelocityField};
-pub use choices::{AxisTreatment, Curvature, Flux, ReferencePressure, Scheme, TimeIntegration};
+pub use choices::{AxisTreatment, Curvature, Flux, Recoil, ReferencePressure, Scheme, TimeIntegration};
 pub use condition::Condition;
 pub use diagnosis::Diagnosis;
 pub use formula::Formula;

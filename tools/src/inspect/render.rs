@@ -64,6 +64,8 @@ pub fn run(arguments: &Arguments, output: &mut dyn Write) -> Result<Verdict, Fai
     let scene = scene(&mapped);
     let shown = quantity(&mapped, &columns, &arguments.field)?;
     let (r, z) = (values(&columns, "radius")?, values(&columns, "axial")?);
+    let origin = scene.as_ref().map_or(0.0, |scene| scene.domain.origin);
+    let r: Vec<f64> = r.iter().map(|r| r + origin).collect();
     let diameter = sizes(&columns, scene.as_ref())?;
     let particles = Particles { r: &r, z: &z, diameter: &diameter };
     let range = arguments.low.zip(arguments.high);

@@ -24,7 +24,8 @@ struct Index {
     frames: Vec<Frame>,
 }
 
-/// One window and one range of colours for all pictures of a run.
+/// One window and one range of colours for all pictures of a run, wider from one to the next where the
+/// liquid leaves it.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct View {
     r: (f64, f64),
@@ -115,8 +116,8 @@ pub(crate) fn rehearse_picture(scene: &Scene, simulation: &Simulation) -> Result
     drawn.transpose().map(|_| ())
 }
 
-/// Does something with the picture of the present state; `None` where there is nothing to colour it by. The
-/// first one fixes the view.
+/// Does something with the picture of the present state; `None` where there is nothing to colour it by. It
+/// widens the view where the liquid has left it.
 fn with_picture<T>(
     view: &mut Option<View>,
     scene: &Scene,
@@ -125,11 +126,14 @@ fn with_picture<T>(
 ) -> Option<T> {
     let name = scene.output.colour_by.as_str();
     let Shown { unit, values } = shown(simulation, name)?;
+    let origin = scene.domain.origin;
     let r = column(simulation, fields::RADIUS.description.name);
+    let r: Vec<f64> = r.iter().map(|r| r + origin).collect();
     let z = column(simulation, fields::AXIAL.description.name);
     let diameter = size(simulation);
     let particles = Particles { r: &r, z: &z, diameter: &diameter };
-    let view = *view.get_or_insert_with(|| first_view(scene, &particles, &values));
+    let now = view_of(scene, &particles, &values);
+    let view = *view.insert(view.map_or(now, |before| before.widened_to(&now)));
     Some(use_it(&Picture {
         title: &scene.title,
         time: simulation.world.clock.time,
@@ -150,26 +154,46 @@ fn due(scene: &Scene, time: f64) -> u64 {
     (time * scene.output.frames as f64 / scene.until).floor() as u64
 }
 
-/// A view with room for what is going to happen: the first picture fixes it for all.
-fn first_view(scene: &Scene, particles: &Particles, values: &[f64]) -> View {
-    let window = Window::around(particles).unwrap_or(Window { r: (0.0, 1.0), z: (0.0, 1.0), mirrored: None });
-    let margin = 0.1 * (window.r.1 - window.r.0).max(window.z.1 - window.z.0);
+/// Share of the particles beyond either side of the view, and of the colours: a few strays must not make
+/// all the others small, or take all colours.
+const STRAYS: f64 = 0.002;
+const COLOUR_STRAYS: f64 = 0.02;
+
+/// A view of what is there, with a margin.
+fn view_of(scene: &Scene, particles: &Particles, values: &[f64]) -> View {
+    let [r, z] = [particles.r, particles.z].map(|places| between(places, STRAYS));
+    let largest = particles.diameter.iter().copied().fold(0.0, f64::max);
+    let margin = largest + 0.1 * (r.1 - r.0).max(z.1 - z.0);
     View {
-        r: ((window.r.0 - margin).max(0.0), window.r.1 + margin),
-        z: (window.z.0 - margin, window.z.1 + margin),
+        r: ((r.0 - margin).max(0.0), r.1 + margin),
+        z: (z.0 - margin, z.1 + margin),
         colours: colours(scene, values),
     }
 }
 
-fn colours(scene: &Scene, values: &[f64]) -> (f64, f64) {
-    let mut sorted: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
+impl View {
+    fn widened_to(&self, other: &View) -> View {
+        let both = |one: (f64, f64), other: (f64, f64)| (one.0.min(other.0), one.1.max(other.1));
+        View {
+            r: both(self.r, other.r),
+            z: both(self.z, other.z),
+            colours: both(self.colours, other.colours),
+        }
+    }
+}
+
+/// The finite values without a share at either end; zeros where there are none.
+fn between(values: &[f64], share: f64) -> (f64, f64) {
+    let mut sorted: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
     sorted.sort_unstable_by(f64::total_cmp);
-    let at = |fraction: f64| {
-        let place = fraction * sorted.len().saturating_sub(1) as f64;
-        sorted.get(place as usize).copied().unwrap_or(0.0)
-    };
-    // A few strays at the surface must not take all colours.
-    let (low, high) = (at(0.02), at(0.98));
+    let last = sorted.len().saturating_sub(1);
+    let at = |place: usize| sorted.get(place).copied().unwrap_or(0.0);
+    let strays = (share * last as f64) as usize;
+    (at(strays), at(last - strays))
+}
+
+fn colours(scene: &Scene, values: &[f64]) -> (f64, f64) {
+    let (low, high) = between(values, COLOUR_STRAYS);
     let (motion, waves) = (scene.fastest_initial_speed(), scene.capillary_velocity());
     match scene.output.colour_by.as_str() {
         "velocity_r" | "velocity_z" => {

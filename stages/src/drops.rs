@@ -1,0 +1,65 @@
+//! Which particles belong to one drop.
+
+use crate::components::components;
+use crate::equation_of_state::Packing;
+use crate::fields;
+use meniscus_engine::pipeline::{Fault, Stage, World};
+use meniscus_engine::store::{Read, Update};
+use meniscus_engine::wiring::Wiring;
+
+/// Steps between two looks.
+pub const INTERVAL: u64 = 20;
+
+/// Numbers the drops, the connected components of the pair graph, from zero on (method.md, section 10, "Two
+/// drops of different size").
+pub struct Drops {
+    packing: Packing,
+    position: [Read<f64>; 2],
+    size: Read<f64>,
+    drop: Update<u32>,
+}
+
+impl Drops {
+    /// Looks for drops every [`INTERVAL`] steps.
+    pub fn new(wiring: &mut Wiring, packing: Packing) -> Self {
+        wiring.stage("drops");
+        Drops {
+            packing,
+            position: [wiring.read(&fields::RADIUS), wiring.read(&fields::AXIAL)],
+            size: wiring.read(&fields::SIZE),
+            drop: wiring.update(&fields::DROP),
+        }
+    }
+}
+
+impl Stage for Drops {
+    fn name(&self) -> &'static str {
+        "drops"
+    }
+
+    fn run(&mut self, world: &mut World) -> Result<(), Fault> {
+        if !world.clock.step.is_multiple_of(INTERVAL) {
+            return Ok(());
+        }
+        let [r, z] = self.position.map(|field| world.store.read(field));
+        let size = world.store.read(self.size);
+        let root = components(&world.neighbours, &self.packing, [&r, &z, &size], &world.arena);
+        let mut drop = world.store.write(self.drop);
+        let mut count = 0;
+        // A component is named after its least particle, which comes first.
+        for (i, &root) in root.iter().enumerate() {
+            if root as usize == i {
+                drop[i] = count;
+                count += 1;
+            } else {
+                drop[i] = drop[root as usize];
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Number of drops that particles are numbered by.
+pub(crate) fn count(drop: &[u32]) -> usize {
+    drop.iter().max().map_or(0, |&last| last as usize + 1)
+}
