@@ -1,6 +1,7 @@
 //! Normals and curvature from the colour field: where c = 1/2 along its gradient lies the surface.
 
 use crate::colour_field::ColourField;
+use crate::drops::particles_of_drops;
 use crate::equation_of_state::Packing;
 use crate::fields;
 use crate::surface::{BOUNDARY, NEAR_BOUNDARY};
@@ -29,6 +30,10 @@ pub struct ColourCurvature {
     pub with_slope: bool,
 }
 
+/// A drop of fewer particles, less than four across, has no shape to speak of, and no Laplace pressure: what
+/// its curvature were taken for would drive it about.
+const FEWEST: u32 = 12;
+
 /// The stage. It must follow the boundary detection of the same step, which takes up the particles in
 /// the shared colour field.
 pub struct CurvatureColour {
@@ -38,6 +43,7 @@ pub struct CurvatureColour {
     position: [Read<f64>; 2],
     size: Read<f64>,
     surface: Read<u32>,
+    drop: Read<u32>,
     pressure: Update<f64>,
     rate: Write<f64>,
     offset: [Update<f64>; 2],
@@ -69,6 +75,7 @@ impl CurvatureColour {
             position: [wiring.read(&fields::RADIUS), wiring.read(&fields::AXIAL)],
             size: wiring.read(&fields::SIZE),
             surface: wiring.read(&fields::SURFACE),
+            drop: wiring.read(&fields::DROP),
             pressure: wiring.update(&fields::LAPLACE_PRESSURE),
             rate: wiring.write(&fields::LAPLACE_PRESSURE_RATE),
             offset: offset.map(|field| wiring.update(field)),
@@ -115,6 +122,17 @@ impl CurvatureColour {
                     find(field, start, [r[i], z[i]], size, settings.support * size, packing.domain.origin);
             }
         });
+    }
+
+    /// Spray has no Laplace pressure.
+    fn leave_out_spray(&mut self, world: &World) {
+        let drop = world.store.read(self.drop);
+        let particles = particles_of_drops(&drop, &world.arena);
+        for (k, &i) in self.boundary.iter().enumerate() {
+            if particles[drop[i as usize] as usize] < FEWEST {
+                self.found[k].curvature = 0.0;
+            }
+        }
     }
 
     /// Sets the Laplace pressure, and its rate where it was known before.
@@ -240,6 +258,7 @@ impl Stage for CurvatureColour {
             return Ok(());
         }
         self.measure(world);
+        self.leave_out_spray(world);
         self.measure_slope(world);
         self.store_pressure(world);
         Ok(())

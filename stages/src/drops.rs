@@ -3,6 +3,7 @@
 use crate::components::components;
 use crate::equation_of_state::Packing;
 use crate::fields;
+use bumpalo::Bump;
 use meniscus_engine::pipeline::{Fault, Stage, World};
 use meniscus_engine::store::{Read, Update};
 use meniscus_engine::wiring::Wiring;
@@ -62,4 +63,11 @@ impl Stage for Drops {
 /// Number of drops that particles are numbered by.
 pub(crate) fn count(drop: &[u32]) -> usize {
     drop.iter().max().map_or(0, |&last| last as usize + 1)
+}
+
+/// How many particles each drop has.
+pub(crate) fn particles_of_drops<'a>(drop: &[u32], arena: &'a Bump) -> &'a [u32] {
+    let particles = arena.alloc_slice_fill_copy(count(drop), 0);
+    drop.iter().for_each(|&number| particles[number as usize] += 1);
+    particles
 }

@@ -69,8 +69,7 @@ pub(crate) fn find(
     }
     let length = steepness(&colour);
     // Spray is too small for the colour to rise to one half anywhere: it has no surface to find.
-    let lost =
-        length.is_nan() || length <= 0.0 || (inward.abs() >= size && std::env::var_os("NOLOST").is_none());
+    let lost = length.is_nan() || length <= 0.0 || inward.abs() >= size;
     if lost {
         return Found::default();
     }

@@ -60,7 +60,7 @@ impl Builder<'_> {
 
     fn with_drops(&self) -> bool {
         let recoil = self.physics.method.momentum_correction == Recoil::Drop;
-        self.with_reference() || (recoil && self.with_tension())
+        self.with_reference() || (self.with_tension() && (recoil || self.colour_curvature()))
     }
 
     pub(super) fn with_energy(&self) -> bool {
@@ -136,7 +136,7 @@ impl Builder<'_> {
         stages.push(self.state());
         self.plan("flux", true, (&self.describe_flux(), ""));
         stages.push(self.flux());
-        let reasons = ("every drop has its own pressure and momentum", "nothing asks which drop is which");
+        let reasons = ("drops have their own pressure and momentum", "nothing asks which drop is which");
         if self.plan("drops", self.with_drops(), reasons) {
             stages.push(Box::new(Drops::new(&mut self.wiring, self.packing)));
         }
