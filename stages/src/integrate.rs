@@ -13,6 +13,10 @@ const VANISHING: f64 = 1e-4;
 /// Distance from the axis, in particle sizes, of the innermost particles of a regular packing.
 const INNERMOST: f64 = 0.43;
 
+/// Distance from the axis, in particle sizes, at which a ring has closed. Nothing that flows comes so near;
+/// spray without neighbours does, and its hoop strain would end the run.
+const CLOSED: f64 = 0.05;
+
 /// How velocities are brought forward.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scheme {
@@ -144,7 +148,7 @@ impl Integrate {
         let store = &world.store;
         let [force_r, force_z] = self.force.map(|field| store.read(field));
         let [dissipation_r, dissipation_z] = self.dissipation.map(|field| store.read(field));
-        let strain_rate = store.read(self.strain_rate);
+        let (strain_rate, size) = (store.read(self.strain_rate), store.read(self.size));
         let [mut r, mut z] = self.position.map(|field| store.write(field));
         let [mut u, mut w] = self.velocity.map(|field| store.write(field));
         let mut density = store.write(self.density);
@@ -155,6 +159,7 @@ impl Integrate {
         let q = if previous.is_some() && before > 0.0 { dt / (2.0 * before) } else { 0.0 };
         let origin = self.courant.origin;
         let (force_r, force_z, strain_rate) = (&force_r[..], &force_z[..], &strain_rate[..]);
+        let size = &size[..];
         let (dissipation_r, dissipation_z) = (&dissipation_r[..], &dissipation_z[..]);
         let step = Step { dt: Lanes::splat(dt), now: Lanes::splat(1.0 + q), before: Lanes::splat(q) };
         let body = |start: usize, columns: Columns, len: usize| {
@@ -176,13 +181,16 @@ impl Integrate {
                 let du = component(force_r, dissipation_r, previous_r);
                 let dw = component(force_z, dissipation_z, previous_z);
                 let new_u = step.advance(&mut r[eight.clone()], &mut u[eight.clone()], du);
+                let radius = Lanes::load_or(&r[eight.clone()], 1.0) + Lanes::splat(origin);
+                let closed = Lanes::splat(CLOSED) * Lanes::load_or(&size[here.clone()], 0.0);
+                let new_u = closed.select_greater(radius, new_u.max(Lanes::ZERO), new_u);
+                new_u.store(&mut u[eight.clone()]);
                 let new_w = step.advance(&mut z[eight.clone()], &mut w[eight.clone()], dw);
                 let strain = step.dt * Lanes::load_or(&strain_rate[here], 0.0);
                 let new_density = Lanes::load_or(&density[eight.clone()], 1.0) * (-strain).exp();
                 new_density.store(&mut density[eight.clone()]);
                 // One test for all: the sum is finite where every part is.
                 let sum = new_density + new_u + new_w + Lanes::load_or(&z[eight.clone()], 0.0);
-                let radius = Lanes::load_or(&r[eight.clone()], 1.0) + Lanes::splat(origin);
                 let least = new_density.min(radius).min(Lanes::splat(f64::MAX) - sum.abs());
                 if !least.all_positive() && bad.is_none() {
                     let state = |k: usize| [density[k], u[k], w[k], z[k], r[k]];
