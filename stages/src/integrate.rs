@@ -15,7 +15,7 @@ const INNERMOST: f64 = 0.43;
 
 /// Distance from the axis, in particle sizes, at which a ring has closed. Nothing that flows comes so near;
 /// spray without neighbours does, and its hoop strain would end the run.
-const CLOSED: f64 = 0.05;
+pub(crate) const CLOSED: f64 = 0.05;
 
 /// How velocities are brought forward.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,6 +1,7 @@
 //! Shifting: particles give way to crowding where the packing has become uneven.
 
 use crate::fields;
+use crate::integrate::CLOSED;
 use crate::moment::Moment;
 use crate::surface::{BOUNDARY, INSIDE};
 use meniscus_engine::parallel;
@@ -139,8 +140,9 @@ impl Stage for Shifting {
                 let shift = along_surface(shift, [weight_r[i], weight_z[i]], surface[i]);
                 let length = (shift[0] * shift[0] + shift[1] * shift[1]).sqrt();
                 let keep = if length > CAP * size[i] { CAP * size[i] / length } else { 1.0 };
-                // A shift must not carry a particle across the axis.
-                r[k] += (keep * shift[0]).max(-0.5 * radius);
+                // A shift must not carry a particle to the axis.
+                let room = (radius - CLOSED * size[i]).max(0.0);
+                r[k] += (keep * shift[0]).max(-0.5 * room);
                 z[k] += keep * shift[1];
             }
         });

@@ -12,7 +12,7 @@ use std::path::Path;
 const MOST_NEIGHBOURS: usize = 100;
 
 fn hard(case: &str, settings: &[&str]) -> Scene {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../cases").join(case).join("hard.toml");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../cases").join(case);
     let settings: Vec<String> = settings.iter().map(|&s| s.to_owned()).collect();
     match read(&path, &settings) {
         Ok(scene) => scene,
@@ -66,27 +66,27 @@ fn water_drops_survive_fast_impacts() {
     for [large, small] in [[50, 200], [200, 50], [200, 200]] {
         let speeds = [format!("large_speed=\"{large} m/s\""), format!("small_speed=\"{small} m/s\"")];
         for size in ["particle_size=\"40 um\"", "particle_size=\"25 um\""] {
-            survive("drop-collision-impact", &[&speeds[0], &speeds[1], size]);
+            survive("drop-collision-impact/hard.toml", &[&speeds[0], &speeds[1], size]);
         }
     }
     for theta in ["method.theta=0.75", "method.theta=1"] {
-        survive("drop-collision-impact", &[theta]);
+        survive("drop-collision-impact/hard.toml", &[theta]);
     }
 }
 
 #[test]
 fn water_layers_survive_strong_shocks() {
-    survive("impact-shock", &["particle_size=\"20 um\""]);
+    survive("impact-shock/hard.toml", &["particle_size=\"20 um\""]);
 }
 
 #[test]
 fn a_gas_without_heat_survives_its_way_into_a_point() {
-    survive("noh", &[]);
+    survive("noh/hard.toml", &[]);
 }
 
 #[test]
 fn a_long_spheroid_does_not_win_energy() {
-    survive("free-spheroid", &[]);
+    survive("free-spheroid/hard.toml", &[]);
 }
 
 /// Momentum along the axis, over the largest sum of |m U_z|: each step adds a rounding of that sum.
@@ -119,7 +119,11 @@ fn survive_with_tension(case: &str, settings: &[&str], surface: f64) {
 fn small_drops_merge_at_speed() {
     let surface = 4.0 * PI * (1.0e-12 + 0.49e-12);
     for size in ["0.115 um", "0.1 um", "0.085 um", "0.067 um"] {
-        survive_with_tension("drop-collision-capillary", &[&format!("particle_size=\"{size}\"")], surface);
+        survive_with_tension(
+            "drop-collision-capillary/hard.toml",
+            &[&format!("particle_size=\"{size}\"")],
+            surface,
+        );
     }
 }
 
@@ -129,7 +133,7 @@ fn a_long_drop_shoots_past_the_sphere_and_comes_back() {
     let eccentricity = (1.0 - (radial / axial).powi(2)).sqrt();
     let surface = 2.0 * PI * radial * (radial + axial / eccentricity * eccentricity.asin());
     for size in ["90 nm", "75 nm", "66.7 nm"] {
-        survive_with_tension("oscillating-drop", &[&format!("particle_size=\"{size}\"")], surface);
+        survive_with_tension("oscillating-drop/hard.toml", &[&format!("particle_size=\"{size}\"")], surface);
     }
 }
 
@@ -137,12 +141,21 @@ fn a_long_drop_shoots_past_the_sphere_and_comes_back() {
 fn a_ring_closes_on_the_axis() {
     let surface = 4.0 * PI * PI * 2e-6 * 0.5e-6;
     for size in ["75 nm", "66.7 nm", "55 nm"] {
-        survive_with_tension("closing-torus", &[&format!("particle_size=\"{size}\"")], surface);
+        survive_with_tension("closing-torus/hard.toml", &[&format!("particle_size=\"{size}\"")], surface);
     }
 }
 
 #[test]
 fn a_disc_draws_back_and_closes_on_the_axis() {
     let (radius, thickness) = (3e-6, 0.5e-6);
-    survive_with_tension("taylor-culick-film", &[], 2.0 * PI * radius * (radius + thickness));
+    survive_with_tension("taylor-culick-film/hard.toml", &[], 2.0 * PI * radius * (radius + thickness));
+}
+
+#[test]
+fn a_jet_breaks_up_and_its_drops_stay_whole() {
+    let surface = 2.0 * PI * 1e-6 * 10e-6;
+    for size in ["66.7 nm", "50 nm"] {
+        let settings = [&format!("particle_size=\"{size}\"")[..], "times=18"];
+        survive_with_tension("rayleigh-plateau-jet/scene.toml", &settings, surface);
+    }
 }
