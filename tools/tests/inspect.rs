@@ -92,7 +92,9 @@ fn a_diagnosis_finds_both_drops() {
     let volume = 4.0 / 3.0 * std::f64::consts::PI * (1e-18 + 0.125e-18);
     assert!((total("mass").unwrap() / (1000.0 * volume) - 1.0).abs() < 1e-3);
     assert!(total("kinetic energy").unwrap() > 0.0);
-    assert!(diagnosis["missing"][0].as_str().unwrap().contains("surface energy"));
+    let surface = 0.074 * 4.0 * std::f64::consts::PI * (1e-12 + 0.25e-12);
+    assert!((total("surface energy").unwrap() / surface - 1.0).abs() < 0.01, "{totals:?}");
+    assert!(diagnosis["missing"].as_array().unwrap().is_empty(), "{}", diagnosis["missing"]);
     let text = said(&["diagnose", run]);
     assert!(text.contains("2 drops") && text.contains("neighbours") && text.contains("time step"), "{text}");
 }
