@@ -8,8 +8,10 @@ use meniscus_stages::fields;
 use meniscus_stages::surface::BOUNDARY;
 use std::f64::consts::PI;
 
-/// How far apart, in particle sizes, neighbouring points of a surface can lie.
-const REACH: f64 = 4.0;
+/// How far apart, in particle sizes, neighbouring points of a surface can lie: in creases gaps are wide.
+const REACH: f64 = 8.0;
+/// Part of that within which points tell the surface's direction.
+const CLOSE: f64 = 0.5;
 
 /// Area of the free surface in m2; `None` where the pipeline doesn't look for the surface's place.
 ///
@@ -47,18 +49,18 @@ impl Points {
             r.push(image_r);
             z.push(image_z);
         }
-        bins.build(&r, &z, reach);
+        bins.build(&r, &z, 0.5 * CLOSE * reach);
         Points { count, r, z, reach, bins }
     }
 
-    /// Calls `visit` with the ways to the points within reach of one, and their lengths.
-    fn near(&self, point: usize, mut visit: impl FnMut([f64; 2], f64)) {
+    /// Calls `visit` with the ways to the points within `reach` m of one, and their lengths.
+    fn near(&self, point: usize, reach: f64, mut visit: impl FnMut([f64; 2], f64)) {
         let (r, z) = (self.r[point], self.z[point]);
-        self.bins.near(r, z, self.reach, |range| {
+        self.bins.near(r, z, reach, |range| {
             for &other in &self.bins.members()[range] {
                 let way = [self.r[other as usize] - r, self.z[other as usize] - z];
                 let distance = way[0].hypot(way[1]);
-                if distance < self.reach && other as usize != point {
+                if distance < reach && other as usize != point {
                     visit(way, distance);
                 }
             }
@@ -69,8 +71,10 @@ impl Points {
     /// the surface may point anywhere, so it doesn't tell.)
     fn tangent(&self, point: usize) -> [f64; 2] {
         let (mut difference, mut product) = (0.0, 0.0);
-        self.near(point, |[dr, dz], distance| {
-            let weight = (1.0 - distance / self.reach).powi(2);
+        let close = CLOSE * self.reach;
+        self.near(point, close, |[dr, dz], distance| {
+            // The next points count most: at a narrow rim those farther away lie on its other side.
+            let weight = (1.0 - distance / close).powi(6);
             difference += weight * (dr * dr - dz * dz);
             product += weight * dr * dz;
         });
@@ -83,7 +87,7 @@ impl Points {
         let tangent = self.tangent(point);
         // The nearest point on either side: its distance, and how much farther from the axis it lies.
         let mut nearest: [Option<(f64, f64)>; 2] = [None; 2];
-        self.near(point, |[dr, dz], distance| {
+        self.near(point, self.reach, |[dr, dz], distance| {
             let along = dr * tangent[0] + dz * tangent[1];
             let across = dr * tangent[1] - dz * tangent[0];
             let side = &mut nearest[usize::from(along > 0.0)];
