@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use std::process::{Command, Output, Stdio};
 use std::sync::OnceLock;
 
+use meniscus_engine::checkpoint::{FORMAT_VERSION, read};
+
 /// Two drops of 1 um and 0.5 um, the smaller one above, moving apart.
 const DROPS: &str = r#"format = 1
 title = "Two drops"
@@ -90,7 +92,9 @@ fn a_diagnosis_finds_both_drops() {
     let volume = 4.0 / 3.0 * std::f64::consts::PI * (1e-18 + 0.125e-18);
     assert!((total("mass").unwrap() / (1000.0 * volume) - 1.0).abs() < 1e-3);
     assert!(total("kinetic energy").unwrap() > 0.0);
-    assert!(diagnosis["missing"][0].as_str().unwrap().contains("surface energy"));
+    let surface = 0.074 * 4.0 * std::f64::consts::PI * (1e-12 + 0.25e-12);
+    assert!((total("surface energy").unwrap() / surface - 1.0).abs() < 0.01, "{totals:?}");
+    assert!(diagnosis["missing"].as_array().unwrap().is_empty(), "{}", diagnosis["missing"]);
     let text = said(&["diagnose", run]);
     assert!(text.contains("2 drops") && text.contains("neighbours") && text.contains("time step"), "{text}");
 }
@@ -157,16 +161,23 @@ fn a_crash_is_explained() {
         "--out",
         out,
         "--set",
-        "liquid.sound_speed=1 m/s",
+        "run.steps=1000",
         "--set",
-        "body.0.velocity.z=200 m/s * z/(1 um)",
+        "liquid.sound_speed=40 m/s",
+        "--set",
+        "body.0.velocity.r=-2000 m/s * r/(1 um)",
+        "--set",
+        "body.0.velocity.z=-2000 m/s * z/(1 um)",
     ]);
     assert_eq!(broken.status.code(), Some(1));
     let files = fs::read_dir(format!("{out}/checkpoints")).unwrap();
     let mut files = files.map(|file| file.unwrap().path().display().to_string());
     let crash = files.find(|file| file.contains("crash-")).unwrap();
-    let text = said(&[&crash]);
-    let told = text.lines().find(|line| line.starts_with("BROKE DOWN")).unwrap();
+    // Who names the folder is told of the crash first.
+    let text = said(&[out]);
+    let told = text.lines().next().unwrap();
+    assert!(told.starts_with("BROKE DOWN"), "{text}");
+    assert_eq!(text, said(&[&crash]));
     for part in
         [" of particle ", " in stage ", " at step ", "last good step is ", " neighbours", " from the axis"]
     {
@@ -176,11 +187,67 @@ fn a_crash_is_explained() {
     let error = String::from_utf8_lossy(&broken.stderr);
     let particle = told.split(" of particle ").nth(1).unwrap().split(' ').next().unwrap();
     assert!(error.contains(&format!("of particle {particle} at")), "{error}\n{told}");
-    let diagnosis = json(&["diagnose", &crash]);
+    let diagnosis = json(&["diagnose", out]);
     assert!(diagnosis["crash"].as_str().unwrap().contains(" in stage "));
-    assert!(json(&["fields", &crash]).as_array().unwrap().iter().any(|field| field["role"] == "derived"));
-    // A run goes on from its last whole checkpoint, not from where it broke down.
-    assert!(said(&[out]).contains("checkpoints/step-"));
+    assert!(json(&["fields", out]).as_array().unwrap().iter().any(|field| field["role"] == "derived"));
+    // A run goes on from its last whole checkpoint, not from where it broke down: it comes there again.
+    let before = fs::read(&crash).unwrap();
+    let again = meniscus(&["resume", out]);
+    let error = String::from_utf8_lossy(&again.stderr);
+    assert_eq!(again.status.code(), Some(1), "{error}");
+    let start = error.lines().find(|line| line.starts_with("continues from")).unwrap();
+    assert!(start.contains("checkpoints/step-"), "{start}");
+    assert!(error.contains(&format!("of particle {particle} at")), "{error}");
+    assert!(fs::read(&crash).unwrap() == before);
+    // A checkpoint beyond the crash is of a run that came through: it counts.
+    let start = start.trim_start_matches("continues from ");
+    fs::copy(start, format!("{out}/checkpoints/step-000099999.meniscus")).unwrap();
+    assert!(!said(&[out]).contains("BROKE DOWN"));
+}
+
+/// A file of every released format comes out in the newest one, with all its bits; nothing else is touched.
+#[test]
+fn old_formats_are_converted() {
+    let golden = |version: u32| {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../engine/tests-data");
+        PathBuf::from(folder).join(format!("checkpoint-v{version}.meniscus"))
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    for version in 1..=FORMAT_VERSION {
+        let (old, new) = (golden(version), file(&format!("{version}.meniscus")));
+        let told = said(&["convert", old.to_str().unwrap(), &new]);
+        assert_eq!(told.contains("already"), version == FORMAT_VERSION, "{told}");
+        assert_eq!(read(new.as_ref()).unwrap(), read(&old).unwrap());
+        assert!(fs::read(new).unwrap() == fs::read(golden(FORMAT_VERSION)).unwrap());
+    }
+    let run = run().to_str().unwrap();
+    let copy = file("run.meniscus");
+    let told = json(&["convert", run, &copy]);
+    assert_eq!(told["file"], *copy);
+    assert_eq!(told["format"], FORMAT_VERSION);
+    assert!(meniscus(&["inspect", "diff", run, &copy]).status.success());
+
+    let refused = |from: &str, to: &str, why: &str| {
+        let output = meniscus(&["inspect", "convert", from, to]);
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.code() == Some(2) && error.contains(why), "{error}");
+    };
+    let golden = golden(1).to_str().unwrap().to_owned();
+    let before = fs::read(&copy).unwrap();
+    refused(&golden, &copy, "--overwrite");
+    assert!(fs::read(&copy).unwrap() == before);
+    assert!(meniscus(&["inspect", "convert", &golden, &copy, "--overwrite"]).status.success());
+    assert!(fs::read(&copy).unwrap() == fs::read(&golden).unwrap());
+    // A header of a later version, as every version ends it with its checksum.
+    let mut newer = fs::read(&golden).unwrap();
+    newer[8] = FORMAT_VERSION as u8 + 1;
+    let checksum = xxhash_rust::xxh3::xxh3_64(&newer[..4088]);
+    newer[4088..4096].copy_from_slice(&checksum.to_le_bytes());
+    fs::write(file("newer.meniscus"), newer).unwrap();
+    let told = format!("found format version {}", FORMAT_VERSION + 1);
+    refused(&file("newer.meniscus"), &file("none.meniscus"), &told);
+    assert!(!PathBuf::from(file("none.meniscus")).exists());
 }
 
 /// The example of a reader in Python sees what `inspect` sees, and so does numpy in an exported array.

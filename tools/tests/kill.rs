@@ -128,7 +128,7 @@ fn a_killed_run_ends_as_an_uninterrupted_one() {
     let duration = started.elapsed().as_micros() as u64;
     let expected = results(&scene.path("whole"));
 
-    let (mut kills, mut in_writes, mut runs, mut barren) = (0, 0, 0, 0);
+    let (mut kills, mut in_writes, mut runs, mut settling) = (0, 0, 0, 0);
     while kills < wanted {
         let run = format!("killed-{runs}");
         // Until a run comes to its end it is killed again and again, on one and two threads.
@@ -145,7 +145,7 @@ fn a_killed_run_ends_as_an_uninterrupted_one() {
             }
             kills += 1;
             in_writes += usize::from(unfinished(&scene.path(&run)));
-            barren += usize::from(!scene.path(&run).join("scene.toml").exists());
+            settling += usize::from(!scene.path(&run).join("series.csv").exists());
         }
         runs += 1;
         let found = results(&scene.path(&run));
@@ -155,8 +155,8 @@ fn a_killed_run_ends_as_an_uninterrupted_one() {
         fs::remove_dir_all(scene.path(&run)).unwrap();
     }
     println!(
-        "{kills} kills of {runs} runs, {in_writes} within the writing of a checkpoint, {barren} before the \
-         run had its scene: all ended like the uninterrupted one"
+        "{kills} kills of {runs} runs, {in_writes} within the writing of a checkpoint, {settling} before \
+         the particles had settled: all ended like the uninterrupted one"
     );
 }
 

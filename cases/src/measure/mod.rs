@@ -6,6 +6,7 @@ pub mod exact;
 mod film;
 pub mod fit;
 mod flow;
+mod free_surface;
 pub mod growth;
 mod history;
 mod jet;

@@ -74,7 +74,7 @@ impl Observer {
             physics: simulation.physics.clone(),
             liquid: scene.liquid.clone(),
             origin: scene.domain.origin,
-            surface: Surface::of(scene),
+            surface: Surface::of(scene, &simulation.physics, &simulation.world.store),
             measures: scene.measures.clone(),
         }
     }
@@ -111,7 +111,7 @@ impl Observer {
         let observe = |measure| self.observe_measure(&particles, measure, (time, rms));
         let of_measures: Vec<Vec<f64>> = self.measures.iter().map(observe).collect();
         if let Some(surface) = &self.surface {
-            row.push(surface.energy(&particles, &self.measures, &of_measures));
+            row.push(surface.energy((&self.physics, store), &particles, &self.measures, &of_measures));
         }
         row.extend(of_measures.into_iter().flatten());
         row

@@ -157,6 +157,15 @@ fn check_state(store: &Store, origin: f64) -> Result<(), String> {
             return Err(format!("a {name} is {value:e}: it must be above {above:e}"));
         }
     }
+    // Sums over drops have one place for every number up to the largest.
+    let drops = store.by_name::<u32>(fields::DROP.description.name);
+    let most = drops.as_deref().and_then(|drops| drops.iter().max()).copied().unwrap_or(0);
+    if most as usize >= store.len() {
+        return Err(format!(
+            "a drop has the number {most}: it must be below that of particles, {}",
+            store.len()
+        ));
+    }
     Ok(())
 }
 

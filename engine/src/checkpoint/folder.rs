@@ -10,6 +10,7 @@ use super::write::UNFINISHED;
 
 const PREFIX: &str = "step-";
 const SUFFIX: &str = ".meniscus";
+const CRASHED: &str = "crash-";
 const SET_ASIDE: &str = ".damaged";
 
 /// Name of the checkpoint after a number of steps: `step-000001234.meniscus`.
@@ -17,16 +18,37 @@ pub fn file_name(step: u64) -> String {
     format!("{PREFIX}{step:09}{SUFFIX}")
 }
 
+/// Name of the state of a run that broke down after a number of steps: `crash-step-000001234.meniscus`.
+/// No run goes on from it, so [`list`] passes over it.
+pub fn crash_file_name(step: u64) -> String {
+    format!("{CRASHED}{}", file_name(step))
+}
+
 /// The checkpoints of a folder by name, with their steps, oldest first; none is opened.
 ///
 /// # Errors
 /// A folder that cannot be read.
 pub fn list(folder: &Path) -> Result<Vec<(u64, PathBuf)>, CheckpointError> {
+    named(folder, step_of)
+}
+
+/// The states in which runs of a folder broke down, with their steps, oldest first; none is opened.
+///
+/// # Errors
+/// A folder that cannot be read.
+pub fn list_crashes(folder: &Path) -> Result<Vec<(u64, PathBuf)>, CheckpointError> {
+    named(folder, |name| step_of(name.strip_prefix(CRASHED)?))
+}
+
+fn named(
+    folder: &Path,
+    step_of: impl Fn(&str) -> Option<u64>,
+) -> Result<Vec<(u64, PathBuf)>, CheckpointError> {
     let read_error = || CheckpointError::io(folder, "read the folder");
     let mut found = Vec::new();
     for entry in fs::read_dir(folder).map_err(read_error())? {
         let entry = entry.map_err(read_error())?;
-        if let Some(step) = entry.file_name().to_str().and_then(step_of) {
+        if let Some(step) = entry.file_name().to_str().and_then(&step_of) {
             found.push((step, entry.path()));
         }
     }

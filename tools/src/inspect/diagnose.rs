@@ -114,7 +114,9 @@ impl Diagnosis {
         self.totals = observed.map(total).collect();
         let told = self.totals.iter().any(|total| total.name == "surface energy");
         if scene.liquid.surface_tension > 0.0 && !told {
-            self.missing.push("no surface energy: it is known of a single measured drop alone".to_owned());
+            let reason =
+                "no surface energy: with this scene's curvature nothing tells where the surface lies";
+            self.missing.push(reason.to_owned());
         }
         if let Err(fault) = simulation.step() {
             self.missing.push(format!("the next step breaks down: {fault}"));

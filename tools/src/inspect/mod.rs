@@ -6,6 +6,7 @@ mod around;
 mod at;
 mod columns;
 mod compare;
+mod convert;
 mod diagnose;
 mod diff;
 mod drops;
@@ -43,6 +44,7 @@ Examples:
   meniscus inspect where runs/drop 'density < 990 kg/m3'  the particles that are thin
   meniscus inspect render runs/drop speed speed.png       a picture
   meniscus inspect export runs/drop drop.vtp              for ParaView; .csv and .npy as well
+  meniscus inspect convert old.meniscus new.meniscus      the same in the newest format
   meniscus inspect verify runs/drop                       check every byte of a run
   meniscus inspect diff a.meniscus b.meniscus             where two of them part
 
@@ -94,6 +96,8 @@ enum Action {
     Where(wanted::Arguments),
     /// Draw a field as a PNG picture
     Render(render::Arguments),
+    /// Write a checkpoint of an older format in the newest one
+    Convert(convert::Arguments),
     /// Write all fields for other programs: ParaView (.vtp), tables (.csv), numpy (.npy)
     Export(export::Arguments),
 }
@@ -125,6 +129,7 @@ fn execute(arguments: &Arguments, output: &mut dyn Write) -> Result<Verdict, Fai
         Some(Action::Top(arguments)) => top::run(arguments, output),
         Some(Action::Where(arguments)) => wanted::run(arguments, output),
         Some(Action::Render(arguments)) => render::run(arguments, output),
+        Some(Action::Convert(arguments)) => convert::run(arguments, output),
         Some(Action::Export(arguments)) => export::run(arguments, output),
         None => {
             let path = arguments.checkpoint.as_deref().ok_or(Failure::NothingNamed)?;

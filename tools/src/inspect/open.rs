@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use meniscus_cases::scene::{self, Scene};
-use meniscus_engine::checkpoint::{ColumnView, Mapped, list};
+use meniscus_engine::checkpoint::{ColumnView, Mapped, list, list_crashes};
 
 use super::failure::Failure;
 
@@ -14,20 +14,19 @@ pub fn open(path: &Path) -> Result<Mapped, Failure> {
     Ok(mapped)
 }
 
-/// The checkpoint that a path means: itself, or the newest of a folder.
+/// The checkpoint that a path means: itself, or the newest of a folder. Where a run broke down after its
+/// last checkpoint, or right at it, that is the state of the crash.
 pub fn newest(path: &Path) -> Result<PathBuf, Failure> {
-    match all(path)?.pop() {
-        Some(path) => Ok(path),
+    if !path.is_dir() {
+        return Ok(path.to_path_buf());
+    }
+    let folder = checkpoints(path);
+    let all = list(&folder)?.into_iter().chain(list_crashes(&folder)?);
+    // Of equal steps the last one counts: the crash.
+    match all.max_by_key(|(step, _)| *step) {
+        Some((_, newest)) => Ok(newest),
         None => Err(Failure::NoCheckpoint { folder: path.to_path_buf() }),
     }
-}
-
-/// The checkpoints that a path means, oldest first: itself, or those of a run's folder.
-pub fn all(path: &Path) -> Result<Vec<PathBuf>, Failure> {
-    if !path.is_dir() {
-        return Ok(vec![path.to_path_buf()]);
-    }
-    Ok(list(&checkpoints(path))?.into_iter().map(|(_, path)| path).collect())
 }
 
 /// Where the checkpoints of a run's folder lie; the folder itself may be that place.

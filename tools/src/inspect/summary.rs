@@ -161,11 +161,14 @@ fn text(summary: &Summary, output: &mut dyn Write) -> io::Result<()> {
         None => "good in header, clock and scene; `inspect verify` checks the columns",
     };
     let (time, step_size) = (number(summary.time), number(summary.step_size));
+    if let Some(crash) = &summary.crash {
+        writeln!(output, "BROKE DOWN  {crash}\n")?;
+    }
     writeln!(output, "checkpoint  {}", summary.file)?;
     writeln!(output, "scene       {title} (hash {})", summary.scene_hash)?;
     writeln!(output, "step        {}", summary.step)?;
     writeln!(output, "time        {time} s (last step {step_size} s)")?;
-    // What a crash is told by is told as a whole below.
+    // What a crash is told by is told as a whole above.
     let told = |name: &str| summary.crash.is_some() && name.starts_with("fault ");
     for (name, value) in summary.scalars.iter().filter(|(name, _)| !told(name)) {
         writeln!(output, "            {name} = {}", number(*value))?;
@@ -177,9 +180,6 @@ fn text(summary: &Summary, output: &mut dyn Write) -> io::Result<()> {
     writeln!(output, "checksums   {checksums} (columns {})", summary.columns_checksum)?;
     if !summary.stages.is_empty() {
         writeln!(output, "stages      {}", summary.stages.join(", "))?;
-    }
-    if let Some(crash) = &summary.crash {
-        writeln!(output, "BROKE DOWN  {crash}")?;
     }
     for total in &summary.totals {
         writeln!(output, "{:<11} {} {}", total.name, number(total.value), total.unit)?;

@@ -139,8 +139,8 @@ impl<'a> Recorder<'a> {
 
     /// Writes the state in which a run broke down, under a name that no resumed run takes up.
     pub(super) fn crash_checkpoint(&self, simulation: &Simulation, fault: &Fault) -> Result<String, Failure> {
-        let name = checkpoint::file_name(simulation.world.clock.step);
-        let path = self.folder.checkpoints().join(format!("crash-{name}"));
+        let name = checkpoint::crash_file_name(simulation.world.clock.step);
+        let path = self.folder.checkpoints().join(name);
         checkpoint::write(&path, &simulation.crash_checkpoint(self.scene, fault))?;
         Ok(path.display().to_string())
     }

@@ -119,6 +119,13 @@ fn what_does_not_fit_is_said() {
         let said = error.to_string();
         assert!(said.contains(fragment), "{said}");
     };
+    let mark = |checkpoint: &mut Checkpoint, name: &str, value: u32| {
+        let column = checkpoint.columns.iter_mut().find(|c| c.name == name);
+        match column.map(|column| &mut column.data) {
+            Some(Data::U32(values)) => values[4] = value,
+            _ => panic!("no {name}"),
+        }
+    };
     let set = |checkpoint: &mut Checkpoint, name: &str, value: f64| {
         let column = checkpoint.columns.iter_mut().find(|c| c.name == name);
         match column.map(|column| &mut column.data) {
@@ -132,6 +139,7 @@ fn what_does_not_fit_is_said() {
     refused(&|c| set(c, "velocity_r", f64::NAN), "velocity_r");
     refused(&|c| set(c, "density", 0.0), "a density is 0");
     refused(&|c| set(c, "radius", -1e-9), "a radius is");
+    refused(&|c| mark(c, "drop", u32::MAX), "a drop has the number 4294967295");
     refused(&|c| c.clock.time = f64::NAN, "time is NaN");
     refused(&|c| c.clock.scalars.push(("gauge".to_owned(), 1.0)), "unknown mark `gauge`");
 }

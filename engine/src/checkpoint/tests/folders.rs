@@ -35,6 +35,10 @@ fn the_newest_whole_file_is_found() {
         write(&folder.path().join(file_name(step)), &checkpoint).unwrap();
     }
     fs::write(folder.path().join("step-+99.meniscus"), "no checkpoint").unwrap();
+    let crash = folder.path().join(crash_file_name(99_999_999_999));
+    fs::write(&crash, "nothing goes on from here").unwrap();
+    assert_eq!(list(folder.path()).unwrap().len(), 4);
+    assert_eq!(list_crashes(folder.path()).unwrap(), [(99_999_999_999, crash)]);
     let newest = folder.path().join(file_name(12_345_678_901));
     fs::write(&newest, "cut off").unwrap();
     let (path, found, skipped) = newest_valid(folder.path()).unwrap();

@@ -1,0 +1,180 @@
+//! The area of any free surface, from where its particles have found it.
+
+use crate::assemble::Physics;
+use meniscus_engine::bins::Bins;
+use meniscus_engine::neighbours::Domain;
+use meniscus_engine::store::Store;
+use meniscus_stages::fields;
+use meniscus_stages::surface::BOUNDARY;
+use std::f64::consts::PI;
+
+/// How far apart, in particle sizes, neighbouring points of a surface can lie: in creases gaps are wide.
+const REACH: f64 = 8.0;
+/// Part of that within which points tell the surface's direction.
+const CLOSE: f64 = 0.5;
+
+/// Area of the free surface in m2; `None` where the pipeline doesn't look for the surface's place.
+///
+/// Every boundary particle knows the way to the surface: where it ends lies a point of the surface. What lies
+/// halfway to the next such point on either side, turned about the axis, is its share.
+pub(super) fn area(store: &Store, physics: &Physics) -> Option<f64> {
+    let column = |name: &str| store.by_name::<f64>(name);
+    let (r, z) = (column(fields::RADIUS.description.name)?, column(fields::AXIAL.description.name)?);
+    let offset_r = column(fields::SURFACE_OFFSET_R.description.name)?;
+    let offset_z = column(fields::SURFACE_OFFSET_Z.description.name)?;
+    let surface = store.by_name::<u32>(fields::SURFACE.description.name)?;
+    let boundary = (0..r.len()).filter(|&i| surface[i] == BOUNDARY);
+    let (foot_r, foot_z) = boundary.map(|i| (r[i] + offset_r[i], z[i] + offset_z[i])).unzip();
+    let points = Points::new(foot_r, foot_z, REACH * physics.particle_size, &physics.domain);
+    let shares = (0..points.count).map(|point| points.share(point, physics.domain.origin));
+    Some(shares.sum())
+}
+
+/// Points of the surface in the plane and then their images, m.
+struct Points {
+    count: usize,
+    r: Vec<f64>,
+    z: Vec<f64>,
+    reach: f64,
+    bins: Bins,
+}
+
+impl Points {
+    fn new(mut r: Vec<f64>, mut z: Vec<f64>, reach: f64, domain: &Domain) -> Self {
+        let (count, mut images, mut bins) = (r.len(), Vec::new(), Bins::default());
+        domain.images(&r, &z, reach, &mut images);
+        for image in &images {
+            let source = image.source as usize;
+            let (image_r, image_z) = domain.place(image, r[source], z[source]);
+            r.push(image_r);
+            z.push(image_z);
+        }
+        bins.build(&r, &z, 0.5 * CLOSE * reach);
+        Points { count, r, z, reach, bins }
+    }
+
+    /// Calls `visit` with the ways to the points within `reach` m of one, and their lengths.
+    fn near(&self, point: usize, reach: f64, mut visit: impl FnMut([f64; 2], f64)) {
+        let (r, z) = (self.r[point], self.z[point]);
+        self.bins.near(r, z, reach, |range| {
+            for &other in &self.bins.members()[range] {
+                let way = [self.r[other as usize] - r, self.z[other as usize] - z];
+                let distance = way[0].hypot(way[1]);
+                if distance < reach && other as usize != point {
+                    visit(way, distance);
+                }
+            }
+        });
+    }
+
+    /// The direction in which the points about one spread most. (The way from a particle that lies close to
+    /// the surface may point anywhere, so it doesn't tell.)
+    fn tangent(&self, point: usize) -> [f64; 2] {
+        let (mut difference, mut product) = (0.0, 0.0);
+        let close = CLOSE * self.reach;
+        self.near(point, close, |[dr, dz], distance| {
+            // The next points count most: at a narrow rim those farther away lie on its other side.
+            let weight = (1.0 - distance / close).powi(6);
+            difference += weight * (dr * dr - dz * dz);
+            product += weight * dr * dz;
+        });
+        let (sine, cosine) = (0.5 * f64::atan2(2.0 * product, difference)).sin_cos();
+        [cosine, sine]
+    }
+
+    /// Area in m2 of what belongs to one point, with the axis at r = -origin.
+    fn share(&self, point: usize, origin: f64) -> f64 {
+        let tangent = self.tangent(point);
+        // The nearest point on either side: its distance, and how much farther from the axis it lies.
+        let mut nearest: [Option<(f64, f64)>; 2] = [None; 2];
+        self.near(point, self.reach, |[dr, dz], distance| {
+            let along = dr * tangent[0] + dz * tangent[1];
+            let across = dr * tangent[1] - dz * tangent[0];
+            let side = &mut nearest[usize::from(along > 0.0)];
+            // What lies steeply above or below belongs to another part of the surface.
+            if across.abs() <= along.abs() && side.is_none_or(|(least, _)| distance < least) {
+                *side = Some((distance, dr));
+            }
+        });
+        let radius = self.r[point] + origin;
+        // Half the way is a slice of a cone; its mean radius is that at a quarter of the way.
+        let slice = |(distance, dr): (f64, f64)| PI * distance * (radius + 0.25 * dr);
+        nearest.into_iter().flatten().map(slice).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measure::{History, Observer};
+    use crate::scene::{Scene, parse};
+    use crate::simulation::Simulation;
+
+    /// A scene of particles of 50 nm, at its start.
+    fn started(bodies: &str) -> (Scene, Simulation) {
+        let scene = format!(
+            "format = 1\n[liquid]\ndensity = \"1000 kg/m3\"\nsurface_tension = \"0.074 N/m\"\n{bodies}\n\
+             [particles]\nsize = \"50 nm\"\nsettle = 0\n[run]\nuntil = \"1 us\"\n"
+        );
+        let scene = parse("surface.toml", &scene, &[]).unwrap();
+        let simulation = Simulation::new(&scene, &mut |_, _| {}).unwrap();
+        (scene, simulation)
+    }
+
+    fn measured(bodies: &str) -> f64 {
+        let (_, mut simulation) = started(bodies);
+        (0..12).for_each(|_| simulation.step().unwrap());
+        area(&simulation.world.store, &simulation.physics).unwrap()
+    }
+
+    fn assert_near(bodies: &str, exact: f64) {
+        let measured = measured(bodies);
+        assert!((measured / exact - 1.0).abs() < 0.004, "{bodies}: {measured} instead of {exact}");
+    }
+
+    /// Of semi-axes a across the axis of symmetry and c > a along it.
+    fn prolate(a: f64, c: f64) -> f64 {
+        let eccentricity = (1.0 - a * a / (c * c)).sqrt();
+        2.0 * PI * a * a * (1.0 + c / (a * eccentricity) * eccentricity.asin())
+    }
+
+    #[test]
+    fn areas_of_known_surfaces() {
+        let sphere = |radius: f64| 4.0 * PI * radius * radius;
+        assert_near("[[body]]\nshape = { sphere = { radius = \"1 um\" } }", sphere(1e-6));
+        assert_near(
+            "[[body]]\nshape = { spheroid = { radial = \"0.7 um\", axial = \"2.1 um\" } }",
+            prolate(0.7e-6, 2.1e-6),
+        );
+        assert_near(
+            "[[body]]\nshape = { torus = { major = \"2 um\", minor = \"1 um\" } }",
+            4.0 * PI * PI * 2e-12,
+        );
+        assert_near(
+            "[[body]]\nshape = { sphere = { radius = \"1 um\" } }\n\
+             [[body]]\nshape = { sphere = { radius = \"0.6 um\", centre = \"2.5 um\" } }",
+            sphere(1e-6) + sphere(0.6e-6),
+        );
+    }
+
+    /// A sphere stretches until its motion has become surface: the sum stays.
+    #[test]
+    fn motion_becomes_surface() {
+        let (scene, mut simulation) = started(
+            "[[body]]\nshape = { sphere = { radius = \"1 um\" } }\n\
+             velocity = { r = \"-5 m/s * r/(1 um)\", z = \"10 m/s * z/(1 um)\" }",
+        );
+        let observer = Observer::new(&scene, &simulation);
+        let mut history = History::new(observer.quantities());
+        for _ in 0..90 {
+            history.push(observer.observe(&simulation));
+            (0..10).for_each(|_| simulation.step().unwrap());
+        }
+        let [kinetic, internal, surface] =
+            ["kinetic energy", "internal energy", "surface energy"].map(|name| history.of(name));
+        let sum = |row: usize| kinetic[row] + internal[row] + surface[row];
+        assert!(kinetic[89] < 0.02 * kinetic[0] && kinetic[0] > 0.06 * surface[0]);
+        let worst = (0..90).map(|row| (sum(row) / sum(0) - 1.0).abs()).fold(0.0, f64::max);
+        assert!(worst < 0.005, "the energy changes by {worst}");
+    }
+}
