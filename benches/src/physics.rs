@@ -52,7 +52,7 @@ pub const VARIANTS: [Variant; 9] = [
         &[
             "method.tangential_pressure=true",
             "method.strain_correction=true",
-            "method.reference_pressure=component",
+            "method.reference_pressure=drop",
         ],
     ),
     added("+ shifting", &["method.shifting=3"]),
@@ -126,7 +126,7 @@ mod tests {
             (&bare, "strain_rate"),
             (&["kernel-correction"], "moment_rr"),
             (&["velocity-gradient"], "velocity_sum_rr"),
-            (&["boundary-detect", "curvature", "ghost-coupling", "correction"], "laplace_pressure"),
+            (&["drops", "boundary-detect", "curvature", "ghost-coupling", "correction"], "laplace_pressure"),
             (&["tangential-pressure", "strain-correction", "reference-pressure"], "laplace_slope_r"),
             (&["shifting"], "crowding_r"),
             (&[], "power"),

@@ -58,32 +58,37 @@ impl Stage for MomentumCorrection {
         let (mass, density) = (&mass[..], &density[..]);
         let (surface_r, surface_z) = (&surface_r[..], &surface_z[..]);
         let drop = self.drop.map(|drop| store.read(drop));
-        let drops = drop.as_ref().map_or(1, |drop| count(drop));
-        // Of each drop: mass and force.
-        let sums = world.arena.alloc_slice_fill_copy(drops, [0.0f64; 2]);
-        match &drop {
-            Some(drop) if drops > 1 => {
-                for (i, &number) in drop.iter().enumerate() {
-                    let sum = &mut sums[number as usize];
-                    sum[0] += mass[i];
-                    sum[1] += mass[i] / density[i] * surface_z[i];
-                }
-            }
-            _ if self.recoil == Recoil::None => sums[0][0] = 1.0,
-            _ => {
-                let force = parallel::sum(mass.len(), |i| mass[i] / density[i] * surface_z[i]);
-                sums[0] = [parallel::sum(mass.len(), |i| mass[i]), force];
-            }
-        }
-        let sums = &*sums;
-        let drop = drop.as_ref().filter(|_| drops > 1).map(|drop| &drop[..]);
         let columns = (&mut force_r[..], &mut force_z[..]);
+        if let Some(drop) = drop.as_deref().filter(|drop| count(drop) > 1) {
+            // Of each drop: mass and force.
+            let sums = world.arena.alloc_slice_fill_copy(count(drop), [0.0f64; 2]);
+            for (i, &number) in drop.iter().enumerate() {
+                let sum = &mut sums[number as usize];
+                sum[0] += mass[i];
+                sum[1] += mass[i] / density[i] * surface_z[i];
+            }
+            let sums = &*sums;
+            parallel::for_chunks(mass.len(), columns, |start, (force_r, force_z)| {
+                for k in 0..force_r.len() {
+                    let i = start + k;
+                    let [mass, force] = sums[drop[i] as usize];
+                    force_r[k] += surface_r[i];
+                    force_z[k] += surface_z[i] - density[i] * (force / mass);
+                }
+            });
+            return Ok(());
+        }
+        let acceleration = if self.recoil == Recoil::None {
+            0.0
+        } else {
+            let force = parallel::sum(mass.len(), |i| mass[i] / density[i] * surface_z[i]);
+            force / parallel::sum(mass.len(), |i| mass[i])
+        };
         parallel::for_chunks(mass.len(), columns, |start, (force_r, force_z)| {
             for k in 0..force_r.len() {
                 let i = start + k;
-                let [mass, force] = sums[drop.map_or(0, |drop| drop[i] as usize)];
                 force_r[k] += surface_r[i];
-                force_z[k] += surface_z[i] - density[i] * (force / mass);
+                force_z[k] += surface_z[i] - density[i] * acceleration;
             }
         });
         Ok(())

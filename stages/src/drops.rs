@@ -60,9 +60,9 @@ impl Stage for Drops {
     }
 }
 
-/// Number of drops that particles are numbered by.
+/// Number of drops that particles are numbered by, at least one.
 pub(crate) fn count(drop: &[u32]) -> usize {
-    drop.iter().max().map_or(0, |&last| last as usize + 1)
+    drop.iter().copied().fold(0, u32::max) as usize + 1
 }
 
 /// How many particles each drop has.
