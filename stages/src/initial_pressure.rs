@@ -15,6 +15,7 @@ pub struct InitialPressure<E> {
     equation: E,
     packing: Packing,
     with_reference: bool,
+    identity: Read<u32>,
     position: [Read<f64>; 2],
     size: Read<f64>,
     mass: Read<f64>,
@@ -32,6 +33,7 @@ impl<E: EquationOfState> InitialPressure<E> {
             equation,
             packing,
             with_reference,
+            identity: wiring.read(&fields::IDENTITY),
             position: [wiring.read(&fields::RADIUS), wiring.read(&fields::AXIAL)],
             size: wiring.read(&fields::SIZE),
             mass: wiring.read(&fields::MASS),
@@ -72,6 +74,18 @@ impl<E: EquationOfState> Stage for InitialPressure<E> {
             density[i] += excess / (sound_speed * sound_speed);
             reference[i] = if self.with_reference { pressure } else { 0.0 };
         }
-        Ok(())
+        // Too low a sound speed makes the pressure ask for a density that there is not.
+        match (0..r.len()).find(|&i| density[i].is_nan() || density[i] <= 0.0) {
+            None => Ok(()),
+            Some(i) => Err(Fault {
+                stage: "initial-pressure",
+                particle: store.read(self.identity)[i],
+                quantity: "density",
+                value: density[i],
+                r: r[i],
+                z: z[i],
+                step: world.clock.step,
+            }),
+        }
     }
 }

@@ -14,6 +14,8 @@ const FILES: [&str; 5] = ["summary.json", "series.csv", "particles.pvd", "scene.
 const FOLDERS: [&str; 2] = ["checkpoints", "frames"];
 /// Endings of the pictures that a run makes at the top of its folder.
 const PICTURES: [&str; 2] = ["png", "svg"];
+/// The state of the particles that still settle, among the checkpoints.
+pub const SETTLING: &str = "settling.meniscus";
 /// Any one of these shows that a folder was made by a run. A scene file does
 /// not: it may be the user's own.
 const SIGNS: [&str; 3] = ["summary.json", "series.csv", "checkpoints"];
@@ -124,7 +126,7 @@ impl RunFolder {
 
     /// The state of the particles that still settle.
     pub fn settling(&self) -> PathBuf {
-        self.checkpoints().join("settling.meniscus")
+        self.checkpoints().join(SETTLING)
     }
 
     /// The trace of a profiled run.
