@@ -127,7 +127,7 @@ pub fn draw_picture(picture: &Picture<'_>) -> Result<Vec<u8>, String> {
     let window = window.ok_or("there are no particles to show")?;
 
     let range = shade_range(shade);
-    let frame = Frame::fit(window, shade, range);
+    let frame = Frame::fit(window, shade, range, picture.title);
     let png = frame.furnish(picture).png(1.0)?;
     let mut pixels = Pixmap::decode_png(&png).map_err(|reason| reason.to_string())?;
     draw_particles(&mut pixels, &frame, picture, range);

@@ -11,6 +11,9 @@ use crate::output::units::{Scale, grouped, labelled, quantity, round_below, scal
 const LONG_SIDE: f64 = 900.0;
 /// Free space at the edges.
 const MARGIN: f64 = 28.0;
+/// Size of the title's letters, at most and at least, in pixels.
+const TITLE: u32 = 20;
+const SMALLEST_TITLE: u32 = 11;
 /// Space above the section, for title and time, and below it, for the scale.
 const HEAD: f64 = 92.0;
 const FOOT: f64 = 78.0;
@@ -37,9 +40,16 @@ struct Bar {
     axis: Axis,
 }
 
+/// Size of the title's letters: smaller where it is too long for the picture.
+fn title_size(title: &str) -> u32 {
+    let room = LONG_SIDE - 2.0 * MARGIN;
+    let fits = |size: &u32| Canvas::text_width(title, *size) <= room;
+    (SMALLEST_TITLE..=TITLE).rev().find(fits).unwrap_or(SMALLEST_TITLE)
+}
+
 impl Frame {
     /// The layout in which the window fills the picture.
-    pub(super) fn fit(window: Window, shade: &Shade<'_>, range: (f64, f64)) -> Self {
+    pub(super) fn fit(window: Window, shade: &Shade<'_>, range: (f64, f64), title: &str) -> Self {
         let Scale { factor, unit } = scale(range.0.abs().max(range.1.abs()), shade.unit);
         let bar = Bar {
             label: labelled(shade.name, &unit),
@@ -56,10 +66,11 @@ impl Frame {
         let pixels_per_metre = (room.0 / across).min(room.1 / along);
         let width = (across * pixels_per_metre).max(LEAST_SECTION.0).round();
         let height = (along * pixels_per_metre).max(LEAST_SECTION.1).round();
+        let title_width = 2.0 * MARGIN + Canvas::text_width(title, title_size(title));
         Self {
             window,
             section: (MARGIN, HEAD, width, height),
-            size: ((MARGIN + width + beside).ceil(), HEAD + height + FOOT),
+            size: ((MARGIN + width + beside).max(title_width).ceil(), HEAD + height + FOOT),
             pixels_per_metre,
             bar,
         }
@@ -91,7 +102,7 @@ impl Frame {
     /// The picture without its particles.
     pub(super) fn furnish(&self, picture: &Picture<'_>) -> Canvas {
         let mut canvas = Canvas::new(self.size.0, self.size.1);
-        canvas.text((MARGIN, 38.0), 20, INK, Anchor::Start, picture.title);
+        canvas.text((MARGIN, 38.0), title_size(picture.title), INK, Anchor::Start, picture.title);
         let count = picture.particles.r.len() as u64;
         let state = format!(
             "t = {}    {} particle{}",
