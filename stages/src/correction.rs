@@ -59,9 +59,10 @@ impl Stage for MomentumCorrection {
         let (surface_r, surface_z) = (&surface_r[..], &surface_z[..]);
         let drop = self.drop.map(|drop| store.read(drop));
         let columns = (&mut force_r[..], &mut force_z[..]);
-        if let Some(drop) = drop.as_deref().filter(|drop| count(drop) > 1) {
+        let drops = drop.as_deref().map_or(1, count);
+        if let Some(drop) = drop.as_deref().filter(|_| drops > 1) {
             // Of each drop: mass and force.
-            let sums = world.arena.alloc_slice_fill_copy(count(drop), [0.0f64; 2]);
+            let sums = world.arena.alloc_slice_fill_copy(drops, [0.0f64; 2]);
             for (i, &number) in drop.iter().enumerate() {
                 let sum = &mut sums[number as usize];
                 sum[0] += mass[i];

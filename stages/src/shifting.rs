@@ -44,10 +44,10 @@ pub struct Strength {
 /// deformation exceeds a gentle flow's by (the greatest speed where the scene computes none). Off the
 /// boundary a particle shifts only where the packing has become uneven or a ring closes on the axis. So a
 /// drop that swings gently keeps its packing, and with it its frequency, which shifting everywhere would
-/// lower by .3 % at 35 D per radius, and a drop at rest stays at rest.
+/// lower, and a drop at rest stays at rest.
 ///
-/// A flow without surface tension has no such frequency, and keeps its shape better (half the error of a free
-/// spheroid) if all particles shift all the time with the greatest speed.
+/// A flow without surface tension has no such frequency, and keeps its shape better if all particles shift all
+/// the time with the greatest speed.
 pub struct Shifting {
     strength: Strength,
     size: Read<f64>,

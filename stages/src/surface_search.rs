@@ -69,8 +69,7 @@ pub(crate) fn find(
     }
     let length = steepness(&colour);
     // Spray is too small for the colour to rise to one half anywhere: it has no surface to find.
-    let lost = length.is_nan() || length <= 0.0 || inward.abs() >= size;
-    if lost {
+    if length.is_nan() || length <= 0.0 || inward.abs() >= size {
         return Found::default();
     }
     let [r, z] = colour.gradient.map(|component| component / length);

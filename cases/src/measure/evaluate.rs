@@ -123,8 +123,8 @@ fn largest_change(values: &[f64]) -> Option<f64> {
     Some(values.iter().fold(0.0, |most: f64, value| most.max((value - first).abs())))
 }
 
-/// Largest change of the axial momentum over the sum of its magnitudes at the start.
-/// Over the sum of |m U_z| at the start, or where the liquid starts at rest over the largest one.
+/// Largest change of the axial momentum over the sum of |m U_z| at the start or, where the liquid starts at
+/// rest, over the largest such sum.
 fn momentum_drift(history: &History) -> Outcome {
     let scales = history.of("momentum scale");
     let largest = scales.iter().copied().fold(0.0, f64::max);

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::StageCost;
+
 /// How fast the stages of a run were.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Profile {
@@ -12,14 +14,9 @@ pub struct Profile {
 /// How fast one stage was.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StageProfile {
-    /// Name of the stage.
-    pub name: String,
-    /// How often it ran.
-    pub calls: u64,
-    /// Elapsed time in seconds, all calls together.
-    pub seconds: f64,
-    /// Its part of the whole run, from 0 to 1.
-    pub share: f64,
+    /// What every summary tells of it.
+    #[serde(flatten)]
+    pub cost: StageCost,
     /// Elapsed nanoseconds per particle and step.
     pub ns_per_particle_step: f64,
     /// The part of the elapsed time in which each thread worked on chunks of particles, in a sample of the

@@ -115,14 +115,14 @@ fn profile_table(profile: &Profile) -> Table {
         "GFLOP/s",
     ]);
     let mut stages: Vec<&StageProfile> = profile.stages.iter().collect();
-    stages.sort_by(|a, b| b.seconds.total_cmp(&a.seconds));
+    stages.sort_by(|a, b| b.cost.seconds.total_cmp(&a.cost.seconds));
     for stage in stages {
         let number = |value: Option<f64>| value.map_or_else(String::new, |value| significant(value, 3));
         let pairs = |of: fn(&PairSpeed) -> f64| number(stage.pairs.as_ref().map(of));
         table.add_row([
-            stage.name.clone(),
-            duration(stage.seconds),
-            format!("{:.1} %", stage.share * 100.0),
+            stage.cost.name.clone(),
+            duration(stage.cost.seconds),
+            format!("{:.1} %", stage.cost.share * 100.0),
             quantity(stage.ns_per_particle_step * 1e-9, "s", 3),
             number(stage.imbalance),
             pairs(|pairs| pairs.per_particle_step),
@@ -201,10 +201,7 @@ mod tests {
             gigaflops: 25.8,
         };
         let stage = |name: &str, pairs| StageProfile {
-            name: name.to_owned(),
-            calls: 12_000,
-            seconds: 6.63,
-            share: 0.219,
+            cost: StageCost { name: name.to_owned(), calls: 12_000, seconds: 6.63, share: 0.219 },
             ns_per_particle_step: 68.9,
             busy: vec![0.9, 0.8],
             imbalance: Some(1.0588),

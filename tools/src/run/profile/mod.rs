@@ -28,10 +28,7 @@ pub(super) fn profile(
     let particle_steps = (particles * steps).max(1) as f64;
     let busy = profiler.busy();
     let stages = stages.iter().map(|stage| StageProfile {
-        name: stage.name.clone(),
-        calls: stage.calls,
-        seconds: stage.seconds,
-        share: stage.share,
+        cost: stage.clone(),
         ns_per_particle_step: stage.seconds * 1e9 / particle_steps,
         busy: find(&busy, &stage.name).map_or_else(Vec::new, shares),
         imbalance: find(&busy, &stage.name).map(imbalance),
