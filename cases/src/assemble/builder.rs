@@ -187,7 +187,8 @@ impl Builder<'_> {
         }
         let reasons = ("the kernel sum is short", "not asked for");
         if self.plan("kernel-correction", method.kernel_correction, reasons) {
-            stages.push(Box::new(KernelCorrection::new(&mut self.wiring)));
+            let with_surface = self.with_surface();
+            stages.push(Box::new(KernelCorrection::new(&mut self.wiring, with_surface)));
         }
         let reasons = ("the flux reconstructs velocities", "the first-order flux needs no gradients");
         if self.plan("velocity-gradient", self.reconstructs(), reasons) {
