@@ -46,12 +46,13 @@ impl Stage for KernelCorrection {
         let surface = self.surface.map(|surface| world.store.read(surface));
         let surface = surface.as_deref();
         let columns = (&rr[..], &rz[..], &zz[..], &mut scale[..]);
+        let complete = |moment: &Moment| moment.eigenvalues_at_least(EIGENVALUE);
         let body = |start: usize, columns: Columns, len: usize| match surface {
             Some(surface) => {
                 let surface = &surface[start..start + len];
-                follow(columns, len, |i, _| surface[i] == INSIDE)
+                follow(columns, len, |i, moment| complete(moment) & (surface[i] == INSIDE))
             }
-            None => follow(columns, len, |_, moment| moment.eigenvalues_at_least(EIGENVALUE)),
+            None => follow(columns, len, |_, moment| complete(moment)),
         };
         let add = |a: (f64, f64), b: (f64, f64)| (a.0 + b.0, a.1 + b.1);
         let (sum, count) = parallel::fold_chunks(rr.len(), columns, &body, &add);
