@@ -68,6 +68,8 @@ pub struct Physics {
     pub central_force: f64,
     /// Surface tension in N/m.
     pub surface_tension: f64,
+    /// Viscosity in Pa s; zero for none.
+    pub viscosity: f64,
     /// Axis and period.
     pub domain: Domain,
     /// Particle size at the start in m.

@@ -86,6 +86,7 @@ impl Physics {
             reference_density,
             central_force: scene.central_force,
             surface_tension: scene.liquid.surface_tension,
+            viscosity: scene.liquid.viscosity,
             domain: Domain {
                 origin: scene.domain.origin,
                 period: scene.domain.period.map(|length| (bottom, length)),

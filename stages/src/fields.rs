@@ -170,6 +170,19 @@ pub static DISSIPATION_Z: Real = Field::derived(
 /// Density times the rate of the total specific energy.
 pub static POWER: Real =
     Field::derived("power", "rho dE/dt", "W/m3", "Density times the rate of the total specific energy.");
+/// Viscous force density, radial.
+pub static VISCOUS_FORCE_R: Real =
+    Field::derived("viscous_force_r", "f_v", "N/m3", "Viscous force density, radial component.");
+/// Viscous force density, axial.
+pub static VISCOUS_FORCE_Z: Real =
+    Field::derived("viscous_force_z", "f_v", "N/m3", "Viscous force density, axial component.");
+/// Power density of the viscous stress.
+pub static VISCOUS_POWER: Real = Field::derived(
+    "viscous_power",
+    "rho dE_v/dt",
+    "W/m3",
+    "Density times the rate of the total specific energy by the viscous stress.",
+);
 /// Force density that acts through the free surface, radial.
 pub static SURFACE_FORCE_R: Real = Field::derived(
     "surface_force_r",

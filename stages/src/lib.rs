@@ -29,3 +29,4 @@ mod surface_neighbours;
 mod surface_search;
 pub mod terms;
 pub mod velocity_gradient;
+pub mod viscosity;

@@ -85,6 +85,7 @@ pub fn medium(physics: &Physics) -> Medium {
             (_, AxisTreatment::Parshikov) => Weights::NearAxis(method.axis_factor),
         },
         reconstructed: method.flux == Flux::Reconstructed,
+        viscosity: physics.viscosity,
     }
 }
 

@@ -60,6 +60,8 @@ pub struct Medium {
     pub weights: Weights,
     /// Whether velocities are reconstructed at the contact.
     pub reconstructed: bool,
+    /// Viscosity.
+    pub viscosity: f64,
 }
 
 /// What the pair sums give for one particle, in SI units.
@@ -73,6 +75,10 @@ pub struct Sums {
     pub dissipation: Vector,
     /// Rate of total energy (18) between pairs, per volume.
     pub power: f64,
+    /// Viscous force density.
+    pub viscous_force: Vector,
+    /// Rate of total energy by the viscous stress, per volume.
+    pub viscous_power: f64,
     /// Moment matrix (21).
     pub moment: Matrix,
     /// Ghost weight (23).
@@ -156,7 +162,13 @@ impl Medium {
         }
         let radius = self.radius(a);
         sums.strain_rate += a.velocity[0] / radius;
-        if !self.near_axis(a) {
+        sums.viscous_force[0] -= 2.0 * self.viscosity * a.velocity[0] / radius.powi(2);
+        if self.near_axis(a) {
+            // Without the weights' r_b/r_a the divergence in the plane lacks tau . e_r/r.
+            let open = scaled(1.0 / radius, self.traction(a, [1.0, 0.0]));
+            add(&mut sums.viscous_force, 1.0, open);
+            sums.viscous_power += dot(open, a.velocity);
+        } else {
             sums.force[0] += self.pressure(a) / radius;
             sums.ghost_weight[0] += 0.5 / radius;
         }
@@ -214,6 +226,16 @@ impl Medium {
         add(&mut sums.ghost_weight, -0.5 * weight * g, e);
         sums.strain_rate += weight * (star.velocity - dot(a.velocity, e)) * g;
         sums.power -= weight * (star.pressure + star.resistance) * star.velocity * g;
+        let (own, other) = (self.traction(a, e), self.traction(b, e));
+        add(&mut sums.viscous_force, 0.5 * weight * g, own);
+        add(&mut sums.viscous_force, 0.5 * weight * g, other);
+        sums.viscous_power += 0.5 * weight * g * (dot(own, b.velocity) + dot(other, a.velocity));
+    }
+
+    /// tau n with tau = mu (grad U + grad U^T).
+    fn traction(&self, a: &Particle, normal: Vector) -> Vector {
+        let [[rr, rz], [zr, zz]] = a.gradient;
+        scaled(self.viscosity, apply([[2.0 * rr, rz + zr], [rz + zr, 2.0 * zz]], normal))
     }
 
     /// Equations (19) and (20), the velocities brought to the contact first if asked for.

@@ -39,3 +39,8 @@ fn same(settings: &[&str], steps: usize) {
 fn an_oscillating_drop() {
     same(&["resolution=36", "amplitude=0.5"], 200);
 }
+
+#[test]
+fn a_viscous_drop() {
+    same(&["resolution=36", "amplitude=0.5", "liquid.viscosity=1 mPa s"], 100);
+}

@@ -36,7 +36,9 @@ fn physics(number: u32) -> Physics {
         ..Method::defaults()
     };
     let surface_tension = if bit(6) { 0.074 } else { 0.0 };
-    let physics = Physics { surface_tension, ..liquid::physics(method) };
+    // Every second combination is viscous, whatever any one choice.
+    let viscosity = if number.count_ones().is_multiple_of(2) { 1e-3 } else { 0.0 };
+    let physics = Physics { surface_tension, viscosity, ..liquid::physics(method) };
     if bit(13) { Physics { equation: SHOCKED, ..physics } } else { physics }
 }
 

@@ -27,6 +27,7 @@ use meniscus_stages::shifting::{Shifting, Strength};
 use meniscus_stages::sort_bin::SortBin;
 use meniscus_stages::surface_corrections::{StrainCorrection, TangentialPressure};
 use meniscus_stages::velocity_gradient::VelocityGradient;
+use meniscus_stages::viscosity::Viscosity;
 use std::sync::{Arc, Mutex};
 
 pub(super) type Stages = Vec<Box<dyn Stage>>;
@@ -81,24 +82,35 @@ impl Builder<'_> {
         self.with_tension() || self.shifting() > 0.0
     }
 
-    /// The moment matrix and the velocity sums serve the reconstruction and the strain's correction.
+    pub(super) fn with_viscosity(&self) -> bool {
+        self.physics.viscosity > 0.0
+    }
+
+    /// The reconstruction and viscosity start from the velocity gradient.
+    fn with_gradient(&self) -> bool {
+        self.reconstructs() || self.with_viscosity()
+    }
+
+    /// The moment matrix and the velocity sums serve the gradient and the strain's correction.
     pub(super) fn with_sums(&self) -> bool {
-        self.reconstructs() || self.corrects_strain()
+        self.with_gradient() || self.corrects_strain()
     }
 
     pub(super) fn reconstructs(&self) -> bool {
         self.physics.method.flux == Flux::Reconstructed
     }
 
-    /// Shocks run where the pressure depends on the energy; the first-order flux resolves them.
+    /// Shocks run where the pressure depends on the energy; the first-order flux resolves them. A viscous
+    /// liquid's rows hold its rate of deformation where those of shocks have the density.
     pub(super) fn with_shocks(&self) -> bool {
-        self.physics.method.shock_contacts && self.with_energy() && !self.reconstructs()
+        let asked = self.physics.method.shock_contacts && !self.with_viscosity();
+        asked && self.with_energy() && !self.reconstructs()
     }
 
     pub(super) fn second_row(&self) -> Second {
         if self.with_shocks() {
             Second::Density
-        } else if self.reconstructs() || self.physics.method.kernel_correction {
+        } else if self.with_gradient() || self.physics.method.kernel_correction {
             Second::Deformation
         } else {
             Second::Nothing
@@ -174,7 +186,13 @@ impl Builder<'_> {
             let (packing, slope) = (self.packing, self.physics.equation.shock_slope());
             stages.push(Box::new(AxisContact::new(&mut self.wiring, packing, slope)));
         }
-        let (stiffness, origin) = (self.physics.central_force, self.physics.domain.origin);
+        let reasons = ("the liquid is viscous", "the liquid has no viscosity");
+        let (origin, with_energy) = (self.physics.domain.origin, self.with_energy());
+        if self.plan("viscosity", self.with_viscosity(), reasons) {
+            let viscosity = self.physics.viscosity;
+            stages.push(Box::new(Viscosity::new(&mut self.wiring, viscosity, origin, with_energy)));
+        }
+        let stiffness = self.physics.central_force;
         let reasons = ("the scene has a central force", "the scene has none");
         if self.plan("central-force", stiffness > 0.0, reasons) {
             stages.push(Box::new(CentralForce::new(&mut self.wiring, stiffness, origin)));
@@ -190,8 +208,11 @@ impl Builder<'_> {
             let with_surface = self.with_surface();
             stages.push(Box::new(KernelCorrection::new(&mut self.wiring, with_surface)));
         }
-        let reasons = ("the flux reconstructs velocities", "the first-order flux needs no gradients");
-        if self.plan("velocity-gradient", self.reconstructs(), reasons) {
+        let reasons = match self.reconstructs() {
+            true => ("the flux reconstructs velocities", ""),
+            false => ("viscosity needs gradients", "the first-order flux needs no gradients"),
+        };
+        if self.plan("velocity-gradient", self.with_gradient(), reasons) {
             stages.push(Box::new(VelocityGradient::new(&mut self.wiring)));
         }
         self.plan("integrate", true, ("time moves on", ""));
@@ -227,7 +248,7 @@ impl Builder<'_> {
                 Equation::IdealGas(equation) => self.initial_pressure(equation),
             });
         }
-        if self.reconstructs() {
+        if self.with_gradient() {
             stages.push(Box::new(VelocityGradient::new(&mut self.wiring)));
         }
         stages

@@ -9,8 +9,15 @@ use meniscus_stages::equation_of_state::Second;
 use meniscus_stages::geometry::{Geometry, HarmonicMean, NearAxisParshikov, Parshikov};
 use meniscus_stages::record::{DeformationRecord, FlowRecord, FlowState, ShockRecord};
 use meniscus_stages::terms::{
-    Crowding, DensityRate, EnergyRate, GhostWeight, MomentMatrix, PressureRiemann, VelocitySum,
+    Crowding, DensityRate, EnergyRate, GhostWeight, MomentMatrix, PressureRiemann, VelocitySum, Viscosity,
 };
+
+/// The sums of any liquid: flow, surface and gradient, motion and energy.
+type Sums<G> = (
+    (DensityRate<G>, PressureRiemann<G>),
+    (Option<MomentMatrix>, Option<GhostWeight<G>>, Option<VelocitySum>),
+    (Option<Crowding>, Option<EnergyRate<G>>),
+);
 
 impl Builder<'_> {
     pub(super) fn describe_flux(&self) -> String {
@@ -41,28 +48,49 @@ impl Builder<'_> {
     }
 
     fn flux_with<G: Geometry + 'static>(&mut self, geometry: G) -> Box<dyn Stage> {
-        if self.with_shocks() {
-            let slope = self.physics.equation.shock_slope();
-            self.terms::<ShockRecord, _, _>(geometry, Shock { slope })
-        } else if self.reconstructs() {
-            // beta = min(1, 300 |J_r|/C) (method.md, section 10, "Coalescence, later").
-            let sharpness = 300.0 / self.physics.sound_speed.max(self.physics.shifting_speed);
-            self.terms::<DeformationRecord, _, _>(geometry, Limited { sharpness })
-        } else if self.second_row() == Second::Deformation {
-            self.terms::<DeformationRecord, _, _>(geometry, FirstOrder)
-        } else {
-            self.terms::<FlowRecord, _, _>(geometry, FirstOrder)
+        let shock = Shock { slope: self.physics.equation.shock_slope() };
+        // beta = min(1, 300 |J_r|/C) (method.md, section 10, "Coalescence, later").
+        let limited =
+            Limited { sharpness: 300.0 / self.physics.sound_speed.max(self.physics.shifting_speed) };
+        match (self.with_viscosity(), self.with_shocks(), self.reconstructs(), self.second_row()) {
+            (true, _, true, _) => self.viscous(geometry, limited),
+            (true, ..) => self.viscous(geometry, FirstOrder),
+            (_, true, ..) => self.inviscid::<ShockRecord, _, _>(geometry, shock),
+            (_, _, true, _) => self.inviscid::<DeformationRecord, _, _>(geometry, limited),
+            (.., Second::Deformation) => self.inviscid::<DeformationRecord, _, _>(geometry, FirstOrder),
+            _ => self.inviscid::<FlowRecord, _, _>(geometry, FirstOrder),
         }
     }
 
-    fn terms<R, G, F>(&mut self, geometry: G, reconstruction: F) -> Box<dyn Stage>
+    fn inviscid<R, G, F>(&mut self, geometry: G, reconstruction: F) -> Box<dyn Stage>
     where
         R: FlowState + 'static,
         G: Geometry + 'static,
         F: Reconstruction<R> + 'static,
     {
-        self.wiring.stage("flux");
         let problem = ContactProblem { geometry, reconstruction };
+        // The sums of most scenes are fused without a question; the rest are options.
+        match self.sums(geometry) {
+            (flow, (Some(moment), Some(weight), Some(sum)), rest) => {
+                pass::<R, _, _, _>(problem, (flow, (moment, weight, sum), rest))
+            }
+            sums => pass::<R, _, _, _>(problem, sums),
+        }
+    }
+
+    fn viscous<G, F>(&mut self, geometry: G, reconstruction: F) -> Box<dyn Stage>
+    where
+        G: Geometry + 'static,
+        F: Reconstruction<DeformationRecord> + 'static,
+    {
+        let sums = self.sums(geometry);
+        let (viscosity, with_energy) = (self.physics.viscosity, self.with_energy());
+        let viscosity = Viscosity::new(&mut self.wiring, geometry, viscosity, with_energy);
+        pass::<DeformationRecord, _, _, _>(ContactProblem { geometry, reconstruction }, (sums, viscosity))
+    }
+
+    fn sums<G: Geometry>(&mut self, geometry: G) -> Sums<G> {
+        self.wiring.stage("flux");
         let flow =
             (DensityRate::new(&mut self.wiring, geometry), PressureRiemann::new(&mut self.wiring, geometry));
         let moment = (self.with_surface() || self.with_sums() || self.physics.method.kernel_correction)
@@ -72,15 +100,7 @@ impl Builder<'_> {
         let theta = self.physics.method.theta;
         let crowding = (self.shifting() > 0.0).then(|| Crowding::new(&mut self.wiring, theta));
         let energy = self.with_energy().then(|| EnergyRate::new(&mut self.wiring, geometry));
-        // The sums of most scenes are fused without a question; the rest are options.
-        match (moment, weight, sum) {
-            (Some(moment), Some(weight), Some(sum)) => {
-                pass::<R, _, _, _>(problem, (flow, (moment, weight, sum), (crowding, energy)))
-            }
-            (moment, weight, sum) => {
-                pass::<R, _, _, _>(problem, (flow, (moment, weight, sum), (crowding, energy)))
-            }
-        }
+        (flow, (moment, weight, sum), (crowding, energy))
     }
 }
 

@@ -5,6 +5,7 @@ use super::exact::Drop;
 use super::fit::{self, Oscillation};
 use super::history::History;
 use super::spheroid::Spheroid;
+use super::viscous::Mode;
 use super::{film, flow, jet};
 use crate::scene::{Measure, Scene};
 use std::f64::consts::PI;
@@ -73,24 +74,9 @@ pub fn evaluate(scene: &Scene, history: &History) -> Vec<Outcome> {
                     Outcome::of(start, mean(0.0, 0.1).flatten(), "1").against(0.0),
                 ]
             }
-            Measure::Oscillation { mode, radius, .. } => {
-                let exact = Drop::of(&scene.liquid, radius).angular_frequency(mode);
-                let fit = oscillation_fit(history, &column, exact);
-                let name = |name: &str| numbered(name, index);
-                let damping = fit.map(|fit| fit.damping_per_period());
-                let residual = fit.map(|fit| fit.residual);
-                let mut outcomes = vec![
-                    Outcome::of(name("frequency"), fit.map(|fit| fit.frequency()), "Hz")
-                        .against(exact / (2.0 * PI)),
-                    Outcome::of(name("damping-per-period"), damping, "1").against(0.0),
-                    Outcome::of(name("fit-residual"), residual, "1"),
-                ];
-                if let Some(residual) = residual.filter(|residual| *residual > POOR_FIT) {
-                    let sentence = "is doubtful: what the fit of a damped oscillation leaves over is";
-                    outcomes[0].doubt =
-                        Some(format!("`{}` {sentence} {residual:.2} of the motion", outcomes[0].name));
-                }
-                outcomes
+            Measure::Oscillation { mode, radius, from, .. } => {
+                let exact = Drop::of(&scene.liquid, radius).mode(mode);
+                oscillation(history, &column, (exact, from), |name| numbered(name, index))
             }
             Measure::GrowthRate { wavenumber, radius } => {
                 let sizes = (wavenumber, radius, scene.particle_size);
@@ -114,6 +100,37 @@ pub fn evaluate(scene: &Scene, history: &History) -> Vec<Outcome> {
         }
     });
     outcomes.flatten().collect()
+}
+
+/// Frequency and damping, against the exact ones of a drop that oscillates at all.
+fn oscillation(
+    history: &History,
+    column: &str,
+    (exact, from): (Option<Mode>, f64),
+    name: impl Fn(&str) -> String,
+) -> Vec<Outcome> {
+    let fit = exact.and_then(|exact| oscillation_fit(history, column, exact, from));
+    let damping = fit.map(|fit| fit.damping_per_period());
+    let residual = fit.map(|fit| fit.residual);
+    let mut outcomes = vec![
+        Outcome::of(name("frequency"), fit.map(|fit| fit.frequency()), "Hz"),
+        Outcome::of(name("damping-per-period"), damping, "1"),
+        Outcome::of(name("fit-residual"), residual, "1"),
+    ];
+    if let Some(Mode { angular_frequency, decay }) = exact {
+        outcomes[0].reference = Some(angular_frequency / (2.0 * PI));
+        outcomes[1].reference = Some(2.0 * PI * decay / angular_frequency);
+    } else {
+        let sentence = "cannot be told: the drop is too viscous to oscillate";
+        outcomes
+            .iter_mut()
+            .for_each(|outcome| outcome.doubt = Some(format!("`{}` {sentence}", outcome.name)));
+    }
+    if let Some(residual) = residual.filter(|residual| *residual > POOR_FIT) {
+        let sentence = "is doubtful: what the fit of a damped oscillation leaves over is";
+        outcomes[0].doubt = Some(format!("`{}` {sentence} {residual:.2} of the motion", outcomes[0].name));
+    }
+    outcomes
 }
 
 /// Largest distance of a series from its first value.
@@ -164,9 +181,11 @@ fn moves(history: &History) -> bool {
     history.of("time").last().is_some_and(|time| *time > 0.0)
 }
 
-/// The oscillation that fits an observed quantity, from an expected angular frequency in rad/s.
-pub fn oscillation_fit(history: &History, column: &str, expected: f64) -> Option<Oscillation> {
-    fit::oscillation(&history.of("time"), &history.of(column), expected)
+/// The oscillation near an expected one that fits an observed quantity from a time in s on.
+pub fn oscillation_fit(history: &History, column: &str, expected: Mode, from: f64) -> Option<Oscillation> {
+    let (times, values) = (history.of("time"), history.of(column));
+    let start = times.partition_point(|time| *time < from);
+    fit::oscillation(times.get(start..)?, values.get(start..)?, expected)
 }
 
 /// Changes from the first observation to the last: of axial momentum, relative to the largest sum of its

@@ -1,9 +1,10 @@
-//! Exact solutions for drops of an inviscid liquid in vacuum.
+//! Exact solutions for drops in vacuum.
 
+use super::viscous::{Mode, drop_mode};
 use crate::scene::Liquid;
 use std::f64::consts::PI;
 
-/// A drop by radius (m), density (kg/m3) and surface tension (N/m).
+/// A drop by radius (m), density (kg/m3), surface tension (N/m) and viscosity (Pa s).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drop {
     /// Radius at rest in m.
@@ -12,12 +13,15 @@ pub struct Drop {
     pub density: f64,
     /// Surface tension in N/m.
     pub surface_tension: f64,
+    /// Viscosity in Pa s.
+    pub viscosity: f64,
 }
 
 impl Drop {
     /// A drop of a scene's liquid, with its radius in m.
     pub fn of(liquid: &Liquid, radius: f64) -> Self {
-        Drop { radius, density: liquid.density, surface_tension: liquid.surface_tension }
+        let Liquid { density, surface_tension, viscosity, .. } = *liquid;
+        Drop { radius, density, surface_tension, viscosity }
     }
 
     /// Pressure inside the drop at rest in Pa: 2 sigma/R (Laplace).
@@ -30,12 +34,17 @@ impl Drop {
         (self.surface_tension / (self.density * self.radius)).sqrt()
     }
 
-    /// Angular frequency in rad/s of small oscillations in mode n (Rayleigh):
+    /// Angular frequency in rad/s of small oscillations in mode n without viscosity (Rayleigh):
     /// omega^2 = n (n - 1) (n + 2) sigma/(rho R^3).
     pub fn angular_frequency(&self, mode: u32) -> f64 {
         let n = f64::from(mode);
         let stiffness = n * (n - 1.0) * (n + 2.0);
         stiffness.sqrt() * self.capillary_velocity() / self.radius
+    }
+
+    /// Small oscillations in mode n with the drop's viscosity; `None` where it is too viscous to oscillate.
+    pub fn mode(&self, mode: u32) -> Option<Mode> {
+        drop_mode(mode, self.angular_frequency(mode), self.radius, self.viscosity / self.density)
     }
 
     /// Energy in J that the surface of a sphere gains by the deformation R (1 + epsilon P_n), to second

@@ -1,5 +1,6 @@
 //! A damped oscillation fitted to a series by least squares.
 
+use super::viscous::Mode;
 use faer::Mat;
 use faer::linalg::solvers::SolveLstsq;
 use std::f64::consts::PI;
@@ -42,9 +43,9 @@ const RANGE: f64 = 0.3;
 /// Iterations at most; five or so are usual.
 const ITERATIONS: usize = 60;
 
-/// Fits a damped oscillation to values at times (s) by Gauss-Newton, from an expected angular frequency
-/// (rad/s). `None` for fewer than 8 values, less than one period, or values that are no oscillation.
-pub fn oscillation(times: &[f64], values: &[f64], expected: f64) -> Option<Oscillation> {
+/// Fits a damped oscillation to values at times (s) by Gauss-Newton, from an expected one. `None` for fewer than 8 values, less than one period, or values that are no oscillation.
+pub fn oscillation(times: &[f64], values: &[f64], mode: Mode) -> Option<Oscillation> {
+    let expected = mode.angular_frequency;
     let [first, .., last] = times else {
         return None;
     };
@@ -61,7 +62,7 @@ pub fn oscillation(times: &[f64], values: &[f64], expected: f64) -> Option<Oscil
         phases: times.iter().map(|t| t * expected).collect(),
         values: values.iter().map(|v| v / largest).collect(),
     };
-    let best = problem.search()?;
+    let best = problem.search(mode.decay / expected)?;
     let residual = problem.square(best).sqrt() / problem.spread(best.linear[2]);
     Some(Oscillation {
         angular_frequency: best.frequency * expected,
@@ -85,10 +86,10 @@ struct Guess {
 }
 
 impl Problem {
-    fn search(&self) -> Option<Guess> {
+    fn search(&self, damping: f64) -> Option<Guess> {
         let start = (0..CANDIDATES).filter_map(|k| {
             let offset = RANGE * (2.0 * f64::from(k) / f64::from(CANDIDATES - 1) - 1.0);
-            self.linear(1.0 + offset, 0.0)
+            self.linear(1.0 + offset, damping)
         });
         let mut best = start.min_by(|a, b| self.square(*a).total_cmp(&self.square(*b)))?;
         for _ in 0..ITERATIONS {

@@ -6,9 +6,9 @@ use faer::linalg::solvers::SolveLstsq;
 /// Iterations at most.
 const ITERATIONS: usize = 60;
 
-/// q in 1/s of c1 e^(q t) + c2 e^(-q t), fitted by Gauss-Newton to values at times (s) from an expected
-/// rate; `None` for fewer than 8 values or none that grow.
-pub fn fit(times: &[f64], values: &[f64], expected: f64) -> Option<f64> {
+/// q in 1/s of c1 e^(q t) + c2 e^(-p q t) with a given p, fitted by Gauss-Newton to values at times (s) from
+/// an expected rate; `None` for fewer than 8 values or none that grow.
+pub fn fit(times: &[f64], values: &[f64], (expected, p): (f64, f64)) -> Option<f64> {
     if times.len() < 8 {
         return None;
     }
@@ -18,11 +18,11 @@ pub fn fit(times: &[f64], values: &[f64], expected: f64) -> Option<f64> {
     let values: Vec<f64> = values.iter().map(|v| v / largest).collect();
     let mut rate = 1.0;
     for _ in 0..ITERATIONS {
-        let [grows, decays] = linear(&phases, &values, rate)?;
-        let basis = |phase: f64| [(rate * phase).exp(), (-rate * phase).exp()];
+        let [grows, decays] = linear(&phases, &values, [rate, -p * rate])?;
+        let basis = |phase: f64| [(rate * phase).exp(), (-p * rate * phase).exp()];
         let matrix = Mat::from_fn(phases.len(), 3, |row, column| {
             let [up, down] = basis(phases[row]);
-            [phases[row] * (grows * up - decays * down), up, down][column]
+            [phases[row] * (grows * up - p * decays * down), up, down][column]
         });
         let right = Mat::from_fn(phases.len(), 1, |row, _| {
             let [up, down] = basis(phases[row]);
@@ -52,10 +52,8 @@ pub fn slope(places: &[f64], values: &[f64]) -> Option<f64> {
     (run > 0.0).then(|| rise / run)
 }
 
-fn linear(phases: &[f64], values: &[f64], rate: f64) -> Option<[f64; 2]> {
-    let matrix = Mat::from_fn(phases.len(), 2, |row, column| {
-        (if column == 0 { rate * phases[row] } else { -rate * phases[row] }).exp()
-    });
+fn linear(phases: &[f64], values: &[f64], rates: [f64; 2]) -> Option<[f64; 2]> {
+    let matrix = Mat::from_fn(phases.len(), 2, |row, column| (rates[column] * phases[row]).exp());
     let right = Mat::from_fn(values.len(), 1, |row, _| values[row]);
     let solution = matrix.qr().solve_lstsq(&right);
     let both = [solution[(0, 0)], solution[(1, 0)]];

@@ -4,6 +4,7 @@ use super::evaluate::Outcome;
 use super::growth;
 use super::history::History;
 use super::observe::Particles;
+use super::viscous::jet_growth_rate;
 use crate::assemble::Physics;
 use crate::scene::Liquid;
 use std::f64::consts::PI;
@@ -91,13 +92,17 @@ impl Outline {
     }
 }
 
-/// Rayleigh's rate of growth in 1/s: q^2 = sigma/(rho R^3) k I1(k)/I0(k) (1 - k^2) with k = k R; `None`
-/// for waves too short to grow.
-pub fn rayleigh_growth_rate(liquid: &Liquid, wavenumber: f64, radius: f64) -> Option<f64> {
+/// The rate of growth in 1/s of a wave with k = k R, and of the decay of its other half over that: of the two,
+/// the product is q0^2, exact without viscosity and for long waves. q0 is Rayleigh's rate without viscosity,
+/// q0^2 = sigma/(rho R^3) k I1(k)/I0(k) (1 - k^2). `None` for waves too short to grow.
+pub fn growth_of_wave(liquid: &Liquid, wavenumber: f64, radius: f64) -> Option<(f64, f64)> {
     let [zeroth, first] = bessel(wavenumber);
     let scale = liquid.surface_tension / (liquid.density * radius.powi(3));
     let square = scale * wavenumber * first / zeroth * (1.0 - wavenumber * wavenumber);
-    (square > 0.0).then(|| square.sqrt())
+    (square > 0.0).then(|| {
+        let rate = jet_growth_rate(wavenumber, square.sqrt(), radius, liquid.viscosity / liquid.density);
+        (rate, square / (rate * rate))
+    })
 }
 
 /// The modified Bessel functions I0 and I1 by their power series.
@@ -121,13 +126,13 @@ pub(super) fn evaluate(
     (wavenumber, radius, particle_size): (f64, f64, f64),
 ) -> Vec<Outcome> {
     let times = history.of("time");
-    let exact = rayleigh_growth_rate(liquid, wavenumber, radius);
+    let exact = growth_of_wave(liquid, wavenumber, radius);
     let rate = exact.and_then(|exact| {
         let (times, values) = linear_part(&times, &amplitude(history, columns));
         growth::fit(&times, &values, exact)
     });
     let mut growth = Outcome::of("growth-rate".to_owned(), rate, "1/s");
-    if let Some(exact) = exact {
+    if let Some((exact, _)) = exact {
         growth = growth.against(exact);
     }
     let necks = history.of(&columns[2]);

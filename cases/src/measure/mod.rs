@@ -15,9 +15,10 @@ pub mod spheroid;
 mod surface;
 #[cfg(test)]
 mod tests;
+pub mod viscous;
 
 pub use columns::{columns_of, numbered, with_index};
 pub use evaluate::{Outcome, conservation, evaluate, oscillation_fit};
 pub use history::History;
-pub use jet::rayleigh_growth_rate;
+pub use jet::growth_of_wave;
 pub use observe::{Observer, Quantity};

@@ -188,7 +188,7 @@ impl Observer {
                 });
                 vec![sum / mass]
             }
-            Measure::Oscillation { mode, radius, centre } => {
+            Measure::Oscillation { mode, radius, centre, .. } => {
                 let centre = self.centre_of_mass(particles, centre, 2.0 * radius);
                 let (sum, mass) = all.fold((0.0, 0.0), |(sum, mass), i| {
                     let (s, z) = place(i, centre);

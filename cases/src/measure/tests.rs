@@ -1,10 +1,15 @@
 use super::exact::Drop;
 use super::fit;
+use super::viscous::Mode;
 use super::*;
 use crate::scene::{EquationOfState, Liquid, parse};
 use std::f64::consts::PI;
 
-const WATER: Drop = Drop { radius: 2.5e-6, density: 1000.0, surface_tension: 0.074 };
+const WATER: Drop = Drop { radius: 2.5e-6, density: 1000.0, surface_tension: 0.074, viscosity: 0.0 };
+
+fn expected() -> Mode {
+    WATER.mode(2).expect("an oscillation")
+}
 
 /// Times of 4 periods at 40 rows a period, and values of a damped oscillation at them.
 fn damped(factor: f64, damping: f64) -> (Vec<f64>, Vec<f64>) {
@@ -22,10 +27,10 @@ fn damped(factor: f64, damping: f64) -> (Vec<f64>, Vec<f64>) {
 
 #[test]
 fn a_damped_oscillation_is_recovered() {
-    let expected = WATER.angular_frequency(2);
+    let (mode, expected) = (expected(), WATER.angular_frequency(2));
     for (factor, damping) in [(1.0, 0.0), (1.0031, 0.05), (0.87, 0.6), (1.21, -0.02)] {
         let (times, values) = damped(factor, damping);
-        let fit = fit::oscillation(&times, &values, expected).expect("an oscillation");
+        let fit = fit::oscillation(&times, &values, mode).expect("an oscillation");
         let near = |value: f64, exact: f64, scale: f64| {
             assert!((value - exact).abs() < 1e-10 * scale, "{value} {exact}");
         };
@@ -42,11 +47,10 @@ fn a_damped_oscillation_is_recovered() {
 #[test]
 fn what_is_no_oscillation_has_no_fit() {
     let (times, values) = damped(1.0, 0.0);
-    let expected = WATER.angular_frequency(2);
-    assert!(fit::oscillation(&times[..30], &values[..30], expected).is_none());
-    assert!(fit::oscillation(&times, &vec![0.0; times.len()], expected).is_none());
-    assert!(fit::oscillation(&times, &vec![f64::NAN; times.len()], expected).is_none());
-    assert!(fit::oscillation(&[], &[], expected).is_none());
+    assert!(fit::oscillation(&times[..30], &values[..30], expected()).is_none());
+    assert!(fit::oscillation(&times, &vec![0.0; times.len()], expected()).is_none());
+    assert!(fit::oscillation(&times, &vec![f64::NAN; times.len()], expected()).is_none());
+    assert!(fit::oscillation(&[], &[], expected()).is_none());
 }
 
 #[test]
@@ -122,21 +126,27 @@ fn growth_is_recovered() {
     let liquid = Liquid {
         density: 1.0,
         surface_tension: 1.0,
+        viscosity: 0.0,
         sound_speed: None,
         equation_of_state: EquationOfState::Linear,
     };
-    let exact = rayleigh_growth_rate(&liquid, 0.2 * PI, 1.0).unwrap();
-    assert!((exact - 0.33754).abs() < 5e-6, "{exact}");
-    assert!((rayleigh_growth_rate(&liquid, 0.697, 1.0).unwrap() - 0.34334).abs() < 5e-6);
-    assert!(rayleigh_growth_rate(&liquid, 1.1, 1.0).is_none());
+    let (exact, decay) = growth_of_wave(&liquid, 0.2 * PI, 1.0).unwrap();
+    assert!((exact - 0.33754).abs() < 5e-6 && (decay - 1.0).abs() < 1e-12, "{exact} {decay}");
+    assert!((growth_of_wave(&liquid, 0.697, 1.0).unwrap().0 - 0.34334).abs() < 5e-6);
+    assert!(growth_of_wave(&liquid, 1.1, 1.0).is_none());
+    let viscous = growth_of_wave(&Liquid { viscosity: 0.1, ..liquid }, 0.2 * PI, 1.0).unwrap();
+    assert!((viscous.0 - 0.285414).abs() < 1e-6, "{viscous:?}");
     let times: Vec<f64> = (0..90).map(|k| 3.0 + 0.05 * f64::from(k)).collect();
     for factor in [0.8, 1.0, 1.05] {
         let q = factor * exact;
-        let values: Vec<f64> = times.iter().map(|t| 0.01 * (q * t).sinh() + 0.002 * (q * t).cosh()).collect();
-        let fit = growth::fit(&times, &values, exact).unwrap();
-        assert!((fit / q - 1.0).abs() < 1e-8, "{factor}: {fit} {q}");
+        for p in [1.0, 1.4] {
+            let value = |t: &f64| 0.006 * (q * t).exp() - 0.004 * (-p * q * t).exp();
+            let values: Vec<f64> = times.iter().map(value).collect();
+            let fit = growth::fit(&times, &values, (exact, p)).unwrap();
+            assert!((fit / q - 1.0).abs() < 1e-8, "{factor}, {p}: {fit} {q}");
+        }
     }
-    assert!(growth::fit(&times[..5], &times[..5], exact).is_none());
+    assert!(growth::fit(&times[..5], &times[..5], (exact, 1.0)).is_none());
     let line: Vec<f64> = times.iter().map(|t| 2.0 - 0.7 * t).collect();
     assert!((growth::slope(&times, &line).unwrap() + 0.7).abs() < 1e-12);
 }

@@ -3,7 +3,7 @@
 use super::diagnosis::Fault;
 use super::entry::Entry;
 use super::quantity::Short;
-use super::{Body, EquationOfState, Scene};
+use super::{Body, EquationOfState, Flux, Scene};
 use crate::region::Region;
 
 /// Where the parts stand that may be to blame.
@@ -14,10 +14,15 @@ pub(super) struct Places<'a> {
     pub(super) size: &'a Entry<'a>,
     /// The sound speed, or the table that lacks it.
     pub(super) sound_speed: Entry<'a>,
+    /// The viscosity, or the table that lacks it.
+    pub(super) viscosity: Entry<'a>,
 }
 
 /// Particles that must fit into the smallest extent of every body.
 const FEWEST_PARTICLES: f64 = 10.0;
+
+/// Numerical over physical viscosity that is worth a warning.
+const NOTABLE: f64 = 0.1;
 
 /// Keeps advice on the safe side of its limit after rounding to five digits.
 const ROUNDING: f64 = 0.9999;
@@ -41,7 +46,9 @@ pub(super) fn check(scene: &Scene, places: &Places<'_>) -> Result<Vec<Fault>, Fa
             }
         }
     }
-    check_sound_speed(scene, &places.sound_speed)
+    let mut doubts = check_sound_speed(scene, &places.sound_speed)?;
+    doubts.extend(doubt_of_viscosity(scene, &places.viscosity));
+    Ok(doubts)
 }
 
 fn check_resolution(scene: &Scene, body: &Body, size: &Entry<'_>) -> Result<(), Fault> {
@@ -118,4 +125,22 @@ fn check_sound_speed(scene: &Scene, place: &Entry<'_>) -> Result<Vec<Fault>, Fau
         }
         _ => Ok(Vec::new()),
     }
+}
+
+/// The first-order flux has a viscosity of its own, C H/16 with the support radius H = 4 theta D
+/// (method.md, section 10, "Numerical viscosity of the first-order flux").
+fn doubt_of_viscosity(scene: &Scene, place: &Entry<'_>) -> Option<Fault> {
+    let physical = scene.liquid.viscosity;
+    if physical == 0.0 || scene.method.flux != Flux::FirstOrder {
+        return None;
+    }
+    let support = 4.0 * scene.method.theta * scene.particle_size;
+    let numerical = scene.liquid.density * scene.derived_sound_speed() * support / 16.0;
+    (numerical > NOTABLE * physical).then(|| {
+        let (numerical, physical) = (Short(numerical), Short(physical));
+        let message = format!(
+            "the first-order flux adds a viscosity of {numerical} Pa s to the liquid's {physical} Pa s"
+        );
+        place.fault(message, "choose flux = \"reconstructed\" in [method], or smaller particles")
+    })
 }

@@ -2,7 +2,7 @@
 
 use super::diagnosis::Fault;
 use super::entry::Entry;
-use super::quantity::{DENSITY, NUMBER, SURFACE_TENSION, VELOCITY};
+use super::quantity::{DENSITY, NUMBER, SURFACE_TENSION, VELOCITY, VISCOSITY};
 use super::section::Section;
 use super::values::Choice;
 
@@ -13,6 +13,8 @@ pub struct Liquid {
     pub density: f64,
     /// Surface tension in N/m; 0 for none.
     pub surface_tension: f64,
+    /// Viscosity in Pa s; 0 for none.
+    pub viscosity: f64,
     /// Speed of sound in m/s; `None` to derive it from the scene.
     pub sound_speed: Option<f64>,
     /// Pressure as a function of density and internal energy.
@@ -58,13 +60,14 @@ const OWN_KEYS: [(&str, Name); 3] = [
     ("heat_ratio", Name::IdealGas),
 ];
 
-/// Reads a liquid. Also hands back the entry of its sound speed, or of the table that lacks it, for
-/// later mistakes.
-pub(super) fn read(entry: Entry<'_>) -> Result<(Liquid, Entry<'_>), Fault> {
+/// Reads a liquid. Also hands back the entries of its sound speed and viscosity, or of the table that lacks
+/// them, for later mistakes.
+pub(super) fn read(entry: Entry<'_>) -> Result<(Liquid, [Entry<'_>; 2]), Fault> {
     let whole = entry.clone();
     let keys = [
         "density",
         "surface_tension",
+        "viscosity",
         "sound_speed",
         "equation_of_state",
         "adiabat_slope",
@@ -105,8 +108,10 @@ pub(super) fn read(entry: Entry<'_>) -> Result<(Liquid, Entry<'_>), Fault> {
         density: table.required("density", "density = \"1000 kg/m3\"")?.positive(DENSITY)?,
         surface_tension: table
             .read_or("surface_tension", 0.0, |entry| entry.not_negative(SURFACE_TENSION))?,
+        viscosity: table.read_or("viscosity", 0.0, |entry| entry.not_negative(VISCOSITY))?,
         sound_speed: given,
         equation_of_state,
     };
-    Ok((liquid, sound_speed.unwrap_or(whole)))
+    let viscosity = table.optional("viscosity");
+    Ok((liquid, [sound_speed, viscosity].map(|place| place.unwrap_or_else(|| whole.clone()))))
 }

@@ -2,7 +2,7 @@
 
 use super::diagnosis::Fault;
 use super::entry::Entry;
-use super::quantity::{Kind, LENGTH, NUMBER, RATE, SQUARED_RATE, VELOCITY};
+use super::quantity::{Kind, LENGTH, NUMBER, RATE, SQUARED_RATE, TIME, VELOCITY};
 use super::section::Section;
 
 /// What is compared with an exact solution at the end of a run. Lengths in metres.
@@ -23,6 +23,8 @@ pub enum Measure {
         radius: f64,
         /// Height z of its centre.
         centre: f64,
+        /// Time in s from which on it is fitted.
+        from: f64,
     },
     /// The speed of a drop that should rest.
     SpuriousVelocity {
@@ -74,7 +76,7 @@ pub enum Measure {
 
 const KINDS: [(&str, &[&str]); 10] = [
     ("laplace-pressure", &["radius", "centre"]),
-    ("oscillation", &["mode", "radius", "centre"]),
+    ("oscillation", &["mode", "radius", "centre", "from"]),
     ("spurious-velocity", &["radius"]),
     ("growth-rate", &["wavenumber", "radius"]),
     ("film-retraction", &["thickness"]),
@@ -107,7 +109,8 @@ impl Measure {
         Ok(match kind.as_str() {
             "oscillation" => {
                 let (radius, centre) = (size("radius")?, centre()?);
-                Measure::Oscillation { mode: whole("mode", 2.0, 1000.0)?, radius, centre }
+                let from = table.read_or("from", 0.0, |entry| entry.not_negative(TIME))?;
+                Measure::Oscillation { mode: whole("mode", 2.0, 1000.0)?, radius, centre, from }
             }
             "laplace-pressure" => Measure::LaplacePressure { radius: size("radius")?, centre: centre()? },
             "growth-rate" => {

@@ -19,7 +19,8 @@ pub struct Method {
     pub theta: f64,
     /// States of the Riemann problems.
     pub flux: Flux,
-    /// Whether the contacts of the first-order flux are those of shocks where the energy equation is solved.
+    /// Whether the contacts of the first-order flux are those of shocks where the energy equation is solved and
+    /// the liquid has no viscosity.
     pub shock_contacts: bool,
     /// Time integration.
     pub time_integration: TimeIntegration,

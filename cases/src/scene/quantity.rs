@@ -46,7 +46,7 @@ impl Dimension {
 
     /// What a quantity of this dimension is, with its article: "a length".
     pub(super) fn described(self) -> String {
-        const NAMES: [(Dimension, &str); 13] = [
+        const NAMES: [(Dimension, &str); 14] = [
             (Dimension::NONE, "a number without unit"),
             (Dimension::new(1, 0, 0), "a length"),
             (Dimension::new(2, 0, 0), "an area"),
@@ -60,6 +60,7 @@ impl Dimension {
             (Dimension::new(-3, 1, 0), "a density"),
             (Dimension::new(0, 1, -2), "a surface tension"),
             (Dimension::new(-1, 1, -2), "a pressure"),
+            (Dimension::new(-1, 1, -1), "a viscosity"),
         ];
         let known = NAMES.iter().find(|(dimension, _)| *dimension == self);
         known.map_or_else(|| format!("a quantity in {self}"), |(_, name)| (*name).to_owned())
@@ -132,6 +133,8 @@ pub(super) const DENSITY: Kind =
     Kind { name: "a density", dimension: Dimension::new(-3, 1, 0), example: "1000 kg/m3" };
 pub(super) const SURFACE_TENSION: Kind =
     Kind { name: "a surface tension", dimension: Dimension::new(0, 1, -2), example: "0.074 N/m" };
+pub(super) const VISCOSITY: Kind =
+    Kind { name: "a viscosity", dimension: Dimension::new(-1, 1, -1), example: "1 mPa s" };
 pub(super) const SPECIFIC_ENERGY: Kind =
     Kind { name: "an energy per mass", dimension: Dimension::new(2, 0, -2), example: "100 J/kg" };
 pub(super) const RATE: Kind = Kind { name: "a rate", dimension: Dimension::new(0, 0, -1), example: "1 Hz" };

@@ -46,7 +46,7 @@ pub(super) fn scene(name: &str, text: &str) -> Result<(Scene, Vec<Fault>), Fault
         Path::new(name).file_stem().map_or(name.to_owned(), |stem| stem.to_string_lossy().into_owned());
     let title = table.read_or("title", stem, |entry| entry.text().map(str::to_owned))?;
     let paper = table.read_or("paper", false, |entry| entry.flag())?;
-    let (liquid, sound_speed) =
+    let (liquid, [sound_speed, viscosity]) =
         liquid::read(table.required("liquid", "[liquid] with density = \"1000 kg/m3\"")?)?;
     let domain = table.read_or("domain", Domain { origin: 0.0, period: None }, domain)?;
     let bodies = table
@@ -84,7 +84,7 @@ pub(super) fn scene(name: &str, text: &str) -> Result<(Scene, Vec<Fault>), Fault
         domain,
         warnings: Vec::new(),
     };
-    let places = checks::Places { shapes: &shapes, size: &size, sound_speed };
+    let places = checks::Places { shapes: &shapes, size: &size, sound_speed, viscosity };
     let doubts = checks::check(&scene, &places)?;
     Ok((scene, doubts))
 }

@@ -180,10 +180,11 @@ impl Settling {
     }
 }
 
-/// What settles models: the same, more viscous.
+/// What settles models: the same, with the flux's viscosity instead of the liquid's.
 fn slow(physics: &Physics) -> Physics {
     let mut physics = physics.clone();
     physics.method.flux = Flux::FirstOrder;
+    physics.viscosity = 0.0;
     // The packing is even as it is, and the first-order flux knows no rate of deformation to scale a shift.
     physics.method.shifting = Some(0.0);
     physics

@@ -7,6 +7,7 @@ mod ghost_weight;
 mod moment_matrix;
 mod pressure_riemann;
 mod velocity_sum;
+mod viscosity;
 
 pub use crowding::Crowding;
 pub use density_rate::DensityRate;
@@ -15,3 +16,4 @@ pub use ghost_weight::GhostWeight;
 pub use moment_matrix::MomentMatrix;
 pub use pressure_riemann::PressureRiemann;
 pub use velocity_sum::VelocitySum;
+pub use viscosity::Viscosity;

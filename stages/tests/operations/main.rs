@@ -29,7 +29,9 @@ use geometry::{Geometry, HarmonicMean, NearAxisParshikov, Parshikov};
 use lanes::{Lanes, WIDTH, counted};
 use pairs::{Interaction, PairTerm, Record};
 use record::{DeformationRecord, FlowRecord, FlowState, ShockRecord};
-use terms::{Crowding, DensityRate, EnergyRate, GhostWeight, MomentMatrix, PressureRiemann, VelocitySum};
+use terms::{
+    Crowding, DensityRate, EnergyRate, GhostWeight, MomentMatrix, PressureRiemann, VelocitySum, Viscosity,
+};
 use wiring::Wiring;
 
 const GEOMETRY: HarmonicMean = HarmonicMean { origin: 0.0 };
@@ -76,6 +78,8 @@ fn terms_do_what_they_declare() {
     term("moment matrix", MomentMatrix::new(wiring));
     term("pressure", PressureRiemann::new(wiring, GEOMETRY));
     term("velocity sum", VelocitySum::new(wiring));
+    term("viscosity", Viscosity::new(wiring, GEOMETRY, 1e-3, false));
+    term("viscosity with its power", Viscosity::new(wiring, GEOMETRY, 1e-3, true));
     let fused = (MomentMatrix::new(wiring), Some(GhostWeight::new(wiring, GEOMETRY)), None::<VelocitySum>);
     term("fused terms", fused);
 }

@@ -1,7 +1,9 @@
 //! Plots of what was measured, against what is exact.
 
 use meniscus_cases::measure::exact::Drop;
+use meniscus_cases::measure::fit::Oscillation;
 use meniscus_cases::measure::spheroid::Spheroid;
+use meniscus_cases::measure::viscous::Mode;
 use meniscus_cases::measure::{History, columns_of, numbered, oscillation_fit, with_index};
 use meniscus_cases::scene::{Measure, Scene};
 
@@ -20,10 +22,10 @@ pub(super) fn draw(scene: &Scene, folder: &RunFolder, history: &History) -> Resu
     }
     for (measure, index) in with_index(&scene.measures) {
         let (name, curves, label) = match *measure {
-            Measure::Oscillation { mode, radius, .. } => {
+            Measure::Oscillation { mode, radius, from, .. } => {
                 let column = numbered("mode amplitude", index);
-                let exact = Drop::of(&scene.liquid, radius).angular_frequency(mode);
-                let curves = oscillation(history, &column, exact);
+                let exact = Drop::of(&scene.liquid, radius).mode(mode);
+                let curves = oscillation(history, &column, exact, from);
                 ("oscillation", curves, format!("amplitude of mode {mode}"))
             }
             Measure::LaplacePressure { radius, .. } => {
@@ -99,17 +101,18 @@ fn curve(label: &str, x: Vec<f64>, y: Vec<f64>, style: Style) -> Curve {
     Curve { label: label.to_owned(), x, y, style }
 }
 
-/// The measured amplitude on the exact oscillation of the same start: undamped, at Rayleigh's frequency.
-fn oscillation(history: &History, column: &str, exact: f64) -> Vec<Curve> {
+/// The measured amplitude on the exact oscillation of the same start, if the drop oscillates at all.
+fn oscillation(history: &History, column: &str, exact: Option<Mode>, from: f64) -> Vec<Curve> {
     let (times, values) = (history.of("time"), history.of(column));
     let mut curves = Vec::new();
-    if let Some(mut undamped) = oscillation_fit(history, column, exact) {
-        undamped.angular_frequency = exact;
-        undamped.damping = 0.0;
+    let fit = exact.and_then(|exact| Some((exact, oscillation_fit(history, column, exact, from)?)));
+    if let Some((exact, fit)) = fit {
+        let Mode { angular_frequency, decay } = exact;
+        let exact = Oscillation { angular_frequency, damping: decay, ..fit };
         let (first, last) = (times[0], times[times.len() - 1]);
         let x: Vec<f64> = (0..=600).map(|k| first + (last - first) * f64::from(k) / 600.0).collect();
-        let y = x.iter().map(|time| undamped.at(*time)).collect();
-        curves.push(curve("exact: Rayleigh's frequency, no damping", x, y, Style::Dashed));
+        let y = x.iter().map(|time| exact.at(*time)).collect();
+        curves.push(curve("exact frequency and damping", x, y, Style::Dashed));
     }
     let every = times.len().div_ceil(POINTS);
     let thinned = |values: Vec<f64>| values.into_iter().step_by(every).collect();

@@ -23,7 +23,7 @@ fn the_example_is_read_in_full() {
     let speed = 0.02 * (0.074 / 2.5e-3_f64).sqrt();
     let [radial, axial] = scene.bodies[0].velocity.at(1e-6, 2e-6);
     assert!(close(radial, -speed * 0.2) && close(axial, speed * 0.8));
-    assert_eq!(scene.measures[1], Measure::Oscillation { mode: 2, radius: 2.5e-6, centre: 0.0 });
+    assert_eq!(scene.measures[1], Measure::Oscillation { mode: 2, radius: 2.5e-6, centre: 0.0, from: 0.0 });
     assert_eq!(scene.measures.len(), 3);
     assert_eq!(scene.method, Method::defaults());
     assert!(scene.warnings.is_empty());
@@ -57,6 +57,22 @@ fn a_slow_sound_speed_is_doubted() {
             && warning.to_string().contains("below ten times the capillary velocity, 5.4406 m/s")
     );
     assert_eq!((warning.line(), warning.blamed()), (Some(10), Some("\"20 m/s\"")));
+}
+
+#[test]
+fn a_viscosity_below_that_of_the_flux_is_doubted() {
+    let viscous = changed(
+        "surface_tension = \"surface_tension\"",
+        "surface_tension = \"surface_tension\"\nviscosity = \"1 mPa s\"",
+    );
+    let scene = read(&viscous);
+    assert!(scene.liquid.viscosity == 1e-3 && scene.warnings.is_empty());
+    let scene = read(&viscous.replace("theta = 0.5", "flux = \"first-order\""));
+    let [warning] = scene.warnings.as_slice() else { panic!("one warning") };
+    assert!(!warning.is_error() && warning.to_string().contains("to the liquid's 0.001 Pa s"), "{warning}");
+    assert_eq!(warning.blamed(), Some("\"1 mPa s\""));
+    let wrong = viscous.replace("1 mPa s", "1 mPa");
+    mistake(&wrong, &[], &["is a pressure; `viscosity` expects a viscosity"]);
 }
 
 #[test]
