@@ -42,7 +42,7 @@ pub struct Variant {
 }
 
 /// The drop with its physics added one by one, then a rod away from the axis and on it.
-pub const VARIANTS: [Variant; 9] = [
+pub const VARIANTS: [Variant; 10] = [
     added("drop, first-order flux", &[]).anew(),
     added("+ kernel correction", &["method.kernel_correction=true"]),
     added("+ low-dissipation flux", &["method.flux=reconstructed"]),
@@ -64,6 +64,7 @@ pub const VARIANTS: [Variant; 9] = [
             "liquid.grueneisen=2",
         ],
     ),
+    added("+ viscosity", &["liquid.viscosity=1 mPa s"]),
     added(
         "ring 1 m from the axis",
         &[
@@ -122,7 +123,7 @@ mod tests {
     fn a_scene_has_the_stages_and_columns_of_what_it_models_and_no_others() {
         // What each variant adds to the one before it: stages, and one of its columns.
         let bare = ["sort-bin", "equation-of-state", "flux", "integrate"];
-        let added: [(&[&str], &str); 7] = [
+        let added: [(&[&str], &str); 8] = [
             (&bare, "strain_rate"),
             (&["kernel-correction"], "moment_rr"),
             (&["velocity-gradient"], "velocity_sum_rr"),
@@ -130,9 +131,10 @@ mod tests {
             (&["tangential-pressure", "strain-correction", "reference-pressure"], "laplace_slope_r"),
             (&["shifting"], "crowding_r"),
             (&[], "power"),
+            (&["viscosity"], "viscous_power"),
         ];
         let variants = scenes(&["resolution=24"]);
-        let simulations: Vec<Simulation> = variants[..7].iter().map(|(_, scene)| start(scene)).collect();
+        let simulations: Vec<Simulation> = variants[..8].iter().map(|(_, scene)| start(scene)).collect();
         let mut expected = Vec::new();
         for (k, (new, column)) in added.iter().enumerate() {
             let name = variants[k].0.name;
