@@ -43,7 +43,8 @@ const RANGE: f64 = 0.3;
 /// Iterations at most; five or so are usual.
 const ITERATIONS: usize = 60;
 
-/// Fits a damped oscillation to values at times (s) by Gauss-Newton, from an expected one. `None` for fewer than 8 values, less than one period, or values that are no oscillation.
+/// Fits a damped oscillation to values at times (s) by Gauss-Newton, from an expected one. `None` for fewer
+/// than 8 values, less than one period, or values that are no oscillation.
 pub fn oscillation(times: &[f64], values: &[f64], mode: Mode) -> Option<Oscillation> {
     let expected = mode.angular_frequency;
     let [first, .., last] = times else {
