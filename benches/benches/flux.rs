@@ -49,6 +49,17 @@ fn rows(criterion: &mut Criterion) {
     group.finish();
 }
 
+fn precision(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("flux by precision");
+    for precision in ["double", "mixed"] {
+        let setting = format!("method.precision={precision}");
+        let mut simulation = start(&drop_scene(&["particle_size=35.7 nm", &setting]));
+        advance(&mut simulation, 20);
+        bench(&mut group, BenchmarkId::from_parameter(precision), &mut simulation);
+    }
+    group.finish();
+}
+
 fn memory_order(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("flux by memory order");
     group.sample_size(20);
@@ -131,5 +142,5 @@ fn particles(simulation: &Simulation) -> Vec<Particle> {
     (0..r.len()).map(particle).collect()
 }
 
-criterion_group!(benches, rows, memory_order, lanes);
+criterion_group!(benches, rows, precision, memory_order, lanes);
 criterion_main!(benches);

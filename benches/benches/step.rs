@@ -6,6 +6,7 @@
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use meniscus_benches::{advance, drop_of, drop_scene, one_thread, start};
+use meniscus_cases::scene::Precision;
 use meniscus_cases::simulation::Simulation;
 use std::time::Duration;
 
@@ -15,11 +16,19 @@ fn whole_step(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("whole step");
     group.sample_size(20);
     for particles in [10_000, 100_000].into_iter().chain(million) {
-        let mut simulation = pool.install(|| start(&drop_of(particles)));
-        group.throughput(Throughput::Elements(simulation.world.store.len() as u64));
-        group.bench_function(BenchmarkId::from_parameter(particles), |bencher| {
-            pool.install(|| bencher.iter(|| advance(&mut simulation, 1)));
-        });
+        for precision in [Precision::Double, Precision::Mixed] {
+            let mut scene = drop_of(particles);
+            scene.method.precision = precision;
+            let mut simulation = pool.install(|| start(&scene));
+            group.throughput(Throughput::Elements(simulation.world.store.len() as u64));
+            let name = match precision {
+                Precision::Double => BenchmarkId::from_parameter(particles),
+                Precision::Mixed => BenchmarkId::new("mixed precision", particles),
+            };
+            group.bench_function(name, |bencher| {
+                pool.install(|| bencher.iter(|| advance(&mut simulation, 1)));
+            });
+        }
     }
     group.finish();
 }

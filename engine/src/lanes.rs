@@ -1,50 +1,116 @@
-//! Eight particles side by side: the SIMD arithmetic of the pair passes.
+//! Eight particles side by side, or sixteen in single precision: the SIMD arithmetic of the pair passes.
 //!
 //! Everything whose rounding depends on the instruction set lives here: [`Lanes::mul_add`] is one
 //! rounding where the build has fused multiply-add and two where it has not. Results are therefore
 //! identical for any number of threads, but not between builds for different instruction sets.
 
+mod rows;
+mod scalar;
+
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 use wide::f64x8;
 
-/// Number of particles that one [`Lanes`] holds.
+pub use rows::{COORDINATE, HalfRow, Packed, Row, RowTable, SLOTS, SingleRow, Slots};
+pub use scalar::{PLACE_STEP, Scalar, Vector, place};
+
+/// Number of particles that one [`Lanes`] of double precision holds, half as many as one of single precision.
 pub const WIDTH: usize = 8;
 
-/// Eight `f64` values, one a particle.
+/// Eight numbers, or sixteen of single precision, one a particle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(transparent)]
-pub struct Lanes(f64x8);
+pub struct Lanes<T: Scalar = f64>(T::Vector);
 
-/// Eight slots of one particle, one cache line: what a pair pass loads of a neighbour.
+/// Places on an axis, one a particle: what slots hold of them is known here alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(C, align(64))]
-pub struct Row(pub [f64; WIDTH]);
+pub struct Places<T: Scalar = f64>(Lanes<T>);
 
-/// Four more slots of one particle, half a cache line.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[repr(C, align(32))]
-pub struct HalfRow(pub [f64; WIDTH / 2]);
+impl<T: Scalar> Places<T> {
+    /// The places in a slot.
+    #[inline(always)]
+    pub fn of_slot(slot: Lanes<T>) -> Self {
+        Places(slot)
+    }
 
-impl Default for Row {
-    fn default() -> Self {
-        Row([0.0; WIDTH])
+    /// How far the others lie ahead.
+    #[inline(always)]
+    pub fn to(self, others: Self) -> Lanes<T> {
+        Lanes(T::displacement(self.0.0, others.0.0))
+    }
+
+    /// The coordinates of these places, from those of near ones.
+    #[inline(always)]
+    pub fn coordinates(self, near: Self, near_coordinates: Lanes<T>) -> Lanes<T> {
+        Lanes(T::coordinate(self.0.0, near.0.0, near_coordinates.0))
     }
 }
 
-impl Lanes {
+impl<T: Scalar> Lanes<T> {
     /// Zero in every lane.
-    pub const ZERO: Lanes = Lanes(f64x8::ZERO);
+    pub const ZERO: Self = Lanes(T::Vector::ZERO);
     /// One in every lane.
-    pub const ONE: Lanes = Lanes(f64x8::ONE);
+    pub const ONE: Self = Lanes(T::Vector::ONE);
     /// One half in every lane.
-    pub const HALF: Lanes = Lanes(f64x8::HALF);
+    pub const HALF: Self = Lanes(T::Vector::HALF);
 
     /// The same value in every lane.
     #[inline(always)]
     pub fn splat(value: f64) -> Self {
-        Lanes(f64x8::splat(value))
+        Lanes(T::Vector::splat(T::nearest(value)))
     }
 
+    /// self * factor + addend.
+    #[inline(always)]
+    pub fn mul_add(self, factor: Self, addend: Self) -> Self {
+        Lanes(self.0.mul_add(factor.0, addend.0))
+    }
+
+    /// addend - self * factor.
+    #[inline(always)]
+    pub fn neg_mul_add(self, factor: Self, addend: Self) -> Self {
+        Lanes(self.0.neg_mul_add(factor.0, addend.0))
+    }
+
+    /// Square root.
+    #[inline(always)]
+    pub fn sqrt(self) -> Self {
+        Lanes(self.0.sqrt())
+    }
+
+    /// Absolute value.
+    #[inline(always)]
+    pub fn abs(self) -> Self {
+        Lanes(self.0.abs())
+    }
+
+    /// The larger of two values; which one is taken of a value and a NaN is not defined.
+    #[inline(always)]
+    pub fn max(self, other: Self) -> Self {
+        Lanes(self.0.max(other.0))
+    }
+
+    /// The smaller of two values; which one is taken of a value and a NaN is not defined.
+    #[inline(always)]
+    pub fn min(self, other: Self) -> Self {
+        Lanes(self.0.min(other.0))
+    }
+
+    /// `yes` where `self > threshold`, else `no`.
+    #[inline(always)]
+    pub fn select_greater(self, threshold: Self, yes: Self, no: Self) -> Self {
+        Lanes(self.0.select_greater(threshold.0, yes.0, no.0))
+    }
+}
+
+impl Lanes<f32> {
+    /// The sixteen values as an array.
+    #[inline(always)]
+    pub fn to_array(self) -> [f32; 2 * WIDTH] {
+        self.0.to_array()
+    }
+}
+
+impl Lanes {
     /// The eight values as an array.
     #[inline(always)]
     pub fn to_array(self) -> [f64; WIDTH] {
@@ -58,18 +124,6 @@ impl Lanes {
     #[inline(always)]
     pub fn load(values: &[f64]) -> Self {
         Lanes(f64x8::new(values[..WIDTH].try_into().expect("eight values")))
-    }
-
-    /// self * factor + addend.
-    #[inline(always)]
-    pub fn mul_add(self, factor: Lanes, addend: Lanes) -> Self {
-        Lanes(self.0.mul_add(factor.0, addend.0))
-    }
-
-    /// addend - self * factor.
-    #[inline(always)]
-    pub fn neg_mul_add(self, factor: Lanes, addend: Lanes) -> Self {
-        Lanes(self.0.mul_neg_add(factor.0, addend.0))
     }
 
     /// The exponential function.
@@ -101,36 +155,6 @@ impl Lanes {
         }
     }
 
-    /// Square root.
-    #[inline(always)]
-    pub fn sqrt(self) -> Self {
-        Lanes(self.0.sqrt())
-    }
-
-    /// Absolute value.
-    #[inline(always)]
-    pub fn abs(self) -> Self {
-        Lanes(self.0.abs())
-    }
-
-    /// The larger of two values; which one is taken of a value and a NaN is not defined.
-    #[inline(always)]
-    pub fn max(self, other: Lanes) -> Self {
-        Lanes(self.0.fast_max(other.0))
-    }
-
-    /// The smaller of two values; which one is taken of a value and a NaN is not defined.
-    #[inline(always)]
-    pub fn min(self, other: Lanes) -> Self {
-        Lanes(self.0.fast_min(other.0))
-    }
-
-    /// `yes` where `self > threshold`, else `no`.
-    #[inline(always)]
-    pub fn select_greater(self, threshold: Lanes, yes: Lanes, no: Lanes) -> Self {
-        Lanes(self.0.simd_gt(threshold.0).select(yes.0, no.0))
-    }
-
     /// One bit for every lane that is below the other's, lane 0 the lowest.
     #[inline(always)]
     pub fn less_bits(self, other: Lanes) -> u32 {
@@ -156,92 +180,6 @@ impl Lanes {
         let v = self.to_array();
         ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[5]) + (v[6] + v[7]))
     }
-
-    /// Loads one row per lane and turns rows into slots: result\[s\] holds slot s of all eight rows.
-    #[inline(always)]
-    pub fn transpose(rows: [&Row; WIDTH]) -> [Lanes; WIDTH] {
-        transpose(rows)
-    }
-
-    /// The same for half rows.
-    #[inline(always)]
-    pub fn transpose_half(rows: [&HalfRow; WIDTH]) -> [Lanes; WIDTH / 2] {
-        transpose_half(rows)
-    }
-}
-
-#[cfg(target_feature = "avx512f")]
-#[inline(always)]
-fn transpose(rows: [&Row; WIDTH]) -> [Lanes; WIDTH] {
-    use std::arch::x86_64::*;
-    // SAFETY: every row is 64 bytes, 64-byte aligned (repr(align(64))) and borrowed for the loads;
-    // __m512d and f64x8 are both 64-byte vectors of eight f64; avx512f is enabled at build time.
-    unsafe {
-        let load = |k: usize| _mm512_load_pd(rows[k].0.as_ptr());
-        let (r0, r1, r2, r3) = (load(0), load(1), load(2), load(3));
-        let (r4, r5, r6, r7) = (load(4), load(5), load(6), load(7));
-        let (a0, a1) = (_mm512_unpacklo_pd(r0, r1), _mm512_unpackhi_pd(r0, r1));
-        let (a2, a3) = (_mm512_unpacklo_pd(r2, r3), _mm512_unpackhi_pd(r2, r3));
-        let (a4, a5) = (_mm512_unpacklo_pd(r4, r5), _mm512_unpackhi_pd(r4, r5));
-        let (a6, a7) = (_mm512_unpacklo_pd(r6, r7), _mm512_unpackhi_pd(r6, r7));
-        const EVEN: i32 = 0x88;
-        const ODD: i32 = 0xdd;
-        let b0 = _mm512_shuffle_f64x2::<EVEN>(a0, a2);
-        let b1 = _mm512_shuffle_f64x2::<EVEN>(a1, a3);
-        let b2 = _mm512_shuffle_f64x2::<ODD>(a0, a2);
-        let b3 = _mm512_shuffle_f64x2::<ODD>(a1, a3);
-        let b4 = _mm512_shuffle_f64x2::<EVEN>(a4, a6);
-        let b5 = _mm512_shuffle_f64x2::<EVEN>(a5, a7);
-        let b6 = _mm512_shuffle_f64x2::<ODD>(a4, a6);
-        let b7 = _mm512_shuffle_f64x2::<ODD>(a5, a7);
-        let columns: [__m512d; WIDTH] = [
-            _mm512_shuffle_f64x2::<EVEN>(b0, b4),
-            _mm512_shuffle_f64x2::<EVEN>(b1, b5),
-            _mm512_shuffle_f64x2::<EVEN>(b2, b6),
-            _mm512_shuffle_f64x2::<EVEN>(b3, b7),
-            _mm512_shuffle_f64x2::<ODD>(b0, b4),
-            _mm512_shuffle_f64x2::<ODD>(b1, b5),
-            _mm512_shuffle_f64x2::<ODD>(b2, b6),
-            _mm512_shuffle_f64x2::<ODD>(b3, b7),
-        ];
-        std::mem::transmute::<[__m512d; WIDTH], [Lanes; WIDTH]>(columns)
-    }
-}
-
-#[cfg(target_feature = "avx512f")]
-#[inline(always)]
-fn transpose_half(rows: [&HalfRow; WIDTH]) -> [Lanes; WIDTH / 2] {
-    use std::arch::x86_64::*;
-    // SAFETY: every half row is 32 bytes, 32-byte aligned and borrowed for the loads; __m512d and
-    // f64x8 are both 64-byte vectors of eight f64; avx512f is enabled at build time.
-    unsafe {
-        let load = |k: usize| _mm256_load_pd(rows[k].0.as_ptr());
-        let both = |i: usize, j: usize| _mm512_insertf64x4::<1>(_mm512_castpd256_pd512(load(i)), load(j));
-        let (p0, p1, p2, p3) = (both(0, 2), both(1, 3), both(4, 6), both(5, 7));
-        let (a0, a1) = (_mm512_unpacklo_pd(p0, p1), _mm512_unpackhi_pd(p0, p1));
-        let (a2, a3) = (_mm512_unpacklo_pd(p2, p3), _mm512_unpackhi_pd(p2, p3));
-        const EVEN: i32 = 0x88;
-        const ODD: i32 = 0xdd;
-        let columns: [__m512d; WIDTH / 2] = [
-            _mm512_shuffle_f64x2::<EVEN>(a0, a2),
-            _mm512_shuffle_f64x2::<EVEN>(a1, a3),
-            _mm512_shuffle_f64x2::<ODD>(a0, a2),
-            _mm512_shuffle_f64x2::<ODD>(a1, a3),
-        ];
-        std::mem::transmute::<[__m512d; WIDTH / 2], [Lanes; WIDTH / 2]>(columns)
-    }
-}
-
-#[cfg(not(target_feature = "avx512f"))]
-#[inline(always)]
-fn transpose_half(rows: [&HalfRow; WIDTH]) -> [Lanes; WIDTH / 2] {
-    std::array::from_fn(|slot| Lanes(f64x8::new(std::array::from_fn(|lane| rows[lane].0[slot]))))
-}
-
-#[cfg(not(target_feature = "avx512f"))]
-#[inline(always)]
-fn transpose(rows: [&Row; WIDTH]) -> [Lanes; WIDTH] {
-    std::array::from_fn(|slot| Lanes(f64x8::new(std::array::from_fn(|lane| rows[lane].0[slot]))))
 }
 
 /// The chosen of eight numbers first, in their order; bit k of `chosen` stands for number k. What follows
@@ -274,10 +212,10 @@ pub fn pack(numbers: &[u32; WIDTH], chosen: u32) -> [u32; WIDTH] {
 
 macro_rules! operator {
     ($trait:ident, $method:ident) => {
-        impl $trait for Lanes {
-            type Output = Lanes;
+        impl<T: Scalar> $trait for Lanes<T> {
+            type Output = Self;
             #[inline(always)]
-            fn $method(self, other: Lanes) -> Lanes {
+            fn $method(self, other: Self) -> Self {
                 Lanes(self.0.$method(other.0))
             }
         }
@@ -288,24 +226,24 @@ operator!(Sub, sub);
 operator!(Mul, mul);
 operator!(Div, div);
 
-impl Neg for Lanes {
-    type Output = Lanes;
+impl<T: Scalar> Neg for Lanes<T> {
+    type Output = Self;
     #[inline(always)]
-    fn neg(self) -> Lanes {
+    fn neg(self) -> Self {
         Lanes(-self.0)
     }
 }
 
-impl AddAssign for Lanes {
+impl<T: Scalar> AddAssign for Lanes<T> {
     #[inline(always)]
-    fn add_assign(&mut self, other: Lanes) {
+    fn add_assign(&mut self, other: Self) {
         *self = *self + other;
     }
 }
 
-impl SubAssign for Lanes {
+impl<T: Scalar> SubAssign for Lanes<T> {
     #[inline(always)]
-    fn sub_assign(&mut self, other: Lanes) {
+    fn sub_assign(&mut self, other: Self) {
         *self = *self - other;
     }
 }
@@ -313,28 +251,6 @@ impl SubAssign for Lanes {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn transpose_turns_rows_into_slots() {
-        let rows: [Row; WIDTH] =
-            std::array::from_fn(|row| Row(std::array::from_fn(|slot| (10 * row + slot) as f64)));
-        let slots = Lanes::transpose(std::array::from_fn(|k| &rows[k]));
-        for (slot, lanes) in slots.iter().enumerate() {
-            let expected: [f64; WIDTH] = std::array::from_fn(|row| (10 * row + slot) as f64);
-            assert_eq!(lanes.to_array(), expected);
-        }
-    }
-
-    #[test]
-    fn transpose_of_half_rows() {
-        let rows: [HalfRow; WIDTH] =
-            std::array::from_fn(|row| HalfRow(std::array::from_fn(|slot| (10 * row + slot) as f64)));
-        let slots = Lanes::transpose_half(std::array::from_fn(|k| &rows[k]));
-        for (slot, lanes) in slots.iter().enumerate() {
-            let expected: [f64; WIDTH] = std::array::from_fn(|row| (10 * row + slot) as f64);
-            assert_eq!(lanes.to_array(), expected);
-        }
-    }
 
     #[test]
     fn packing_keeps_the_order() {

@@ -165,9 +165,12 @@ impl NeighbourList {
         self.entries.len() * WIDTH
     }
 
-    /// The interleaved entries of the eight particles from `8 * block` on.
+    /// The interleaved entries of the eight particles from `8 * block` on; none behind the last particle.
     #[inline]
     pub fn block(&self, block: usize) -> &[[u32; WIDTH]] {
+        if block + 1 >= self.block_start.len() {
+            return &[];
+        }
         &self.entries[self.block_start[block] as usize..self.block_start[block + 1] as usize]
     }
 

@@ -2,7 +2,7 @@
 //! need.
 //!
 //! ```text
-//! for each block of 8 particles a (one per lane):
+//! for each block of 8 particles a (one per lane; two blocks side by side in single precision):
 //!     load a's rows, set all sums to zero
 //!     for each interleaved entry: load 8 neighbours b, evaluate the pair once,
 //!         let every term add to its sums
@@ -12,7 +12,7 @@
 
 mod terms;
 
-use crate::lanes::{HalfRow, Lanes, Row, WIDTH};
+use crate::lanes::{Lanes, Packed, RowTable, WIDTH};
 use crate::neighbours::NeighbourList;
 use crate::parallel;
 use crate::pipeline::{Fault, PairWork, Stage, World};
@@ -20,24 +20,16 @@ use arrayvec::ArrayVec;
 use atomic_refcell::AtomicRefMut;
 use std::marker::PhantomData;
 
-pub use terms::{Columns, Interaction, MOST_OUTPUTS, PairTerm, Record};
+pub use terms::{Columns, Interaction, MOST_OUTPUTS, PairTerm, Powers, Record};
 
-/// The packed rows of all particles, then of their images, then some to fill the last block.
-#[derive(Clone, Debug, Default)]
-pub struct RowTable {
-    /// One row a particle.
-    pub first: Vec<Row>,
-    /// Half a row more where the record needs it, else empty.
-    pub second: Vec<HalfRow>,
-}
+/// Whether the roots and divisions of the next pairs are begun before the present ones are summed. With the
+/// sixteen registers of AVX2 what must be kept meanwhile takes more than that saves.
+const BEGINS_AHEAD: bool = cfg!(target_feature = "avx512f");
 
-impl RowTable {
-    /// Makes room for `particles` and `images`; new rows are zero.
-    pub fn resize(&mut self, particles: usize, images: usize, with_second: bool) {
-        let count = particles + images + WIDTH;
-        self.first.resize(count, Row::default());
-        self.second.resize(if with_second { count } else { 0 }, HalfRow::default());
-    }
+/// Neighbours, and how far their pairs are known.
+struct Begun<R, A> {
+    b: R,
+    approach: Option<A>,
 }
 
 /// A traversal of all pairs with its terms, as a stage of the pipeline.
@@ -45,13 +37,23 @@ pub struct PairPass<R, I, T> {
     name: &'static str,
     interaction: I,
     terms: T,
+    /// Factors of the results.
+    scales: ArrayVec<f64, MOST_OUTPUTS>,
     record: PhantomData<fn() -> R>,
 }
 
-impl<R: Record, I: Interaction<R>, T: PairTerm<R, I::Pair>> PairPass<R, I, T> {
-    /// A pass under the given name.
-    pub fn new(name: &'static str, interaction: I, terms: T) -> Self {
-        PairPass { name, interaction, terms, record: PhantomData }
+impl<R, I, T> PairPass<R, I, T>
+where
+    R: Record<Scalar: Packed>,
+    I: Interaction<R>,
+    T: PairTerm<R, I::Pair>,
+{
+    /// A pass under the given name over rows whose lengths are in units of `unit` metres.
+    pub fn new(name: &'static str, interaction: I, terms: T, unit: f64) -> Self {
+        let mut powers = Powers::new();
+        terms.powers(&mut powers);
+        let scales = powers.into_iter().map(|power| unit.powi(power)).collect();
+        PairPass { name, interaction, terms, scales, record: PhantomData }
     }
 
     /// Walks all pairs; `outputs` are the columns of the terms in their order.
@@ -63,59 +65,75 @@ impl<R: Record, I: Interaction<R>, T: PairTerm<R, I::Pair>> PairPass<R, I, T> {
     ) {
         parallel::for_chunks(list.len(), outputs, |start, mut outputs| {
             let len = outputs.iter().flatten().map(|column| column.len()).next().unwrap_or(0);
-            let mut results = [Lanes::ZERO; MOST_OUTPUTS];
-            for offset in (0..len).step_by(WIDTH) {
+            let mut results = [Lanes::<R::Scalar>::ZERO; MOST_OUTPUTS];
+            let width = R::Scalar::BLOCKS * WIDTH;
+            for offset in (0..len).step_by(width) {
                 self.block(list, rows, start + offset, &mut results);
-                for (column, result) in outputs.iter_mut().zip(&results) {
+                let here = offset..len.min(offset + width);
+                let whole = here.len() == width;
+                for ((column, result), scale) in outputs.iter_mut().zip(&results).zip(&self.scales) {
                     let Some(column) = column else { continue };
-                    result.store(&mut column[offset..len.min(offset + WIDTH)]);
+                    if whole {
+                        R::Scalar::store(*result, *scale, &mut column[here.clone()]);
+                    } else {
+                        R::Scalar::store_part(*result, *scale, &mut column[here.clone()]);
+                    }
                 }
             }
         });
     }
 
     #[inline(always)]
-    fn add(&self, a: &R, own: &I::Own, b: &R, sum: &mut T::Sum) {
-        let pair = self.interaction.evaluate(a, own, b);
-        self.terms.add(a, b, &pair, sum);
+    fn begin(&self, rows: &RowTable, a: &R, neighbours: [&[u32; WIDTH]; 2]) -> Begun<R, I::Approach> {
+        let b = load::<R>(rows, neighbours);
+        let approach = if BEGINS_AHEAD { Some(self.interaction.approach(a, &b)) } else { None };
+        Begun { b, approach }
     }
 
     #[inline(always)]
-    fn block(&self, list: &NeighbourList, rows: &RowTable, first: usize, results: &mut [Lanes]) {
-        let a = load::<R>(rows, std::array::from_fn(|lane| (first + lane) as u32));
+    fn add(&self, a: &R, own: &I::Own, begun: Begun<R, I::Approach>, sum: &mut T::Sum) {
+        let Begun { b, approach } = begun;
+        let approach = match approach {
+            Some(approach) => approach,
+            None => self.interaction.approach(a, &b),
+        };
+        let pair = self.interaction.evaluate(a, own, &b, &approach);
+        self.terms.add(a, &b, &pair, sum);
+    }
+
+    #[inline(always)]
+    fn block(&self, list: &NeighbourList, rows: &RowTable, first: usize, results: &mut [Lanes<R::Scalar>]) {
+        let numbers = [first, first + WIDTH].map(|first| std::array::from_fn(|lane| (first + lane) as u32));
+        let a = load::<R>(rows, numbers.each_ref());
         let own = self.interaction.prepare(&a);
         let mut sum = self.terms.zero();
-        if let Some((entry, others)) = list.block(first / WIDTH).split_first() {
-            // The next neighbours are loaded before the present ones are summed: loads and transposes
-            // then overlap with the long chain of root and divisions.
-            let mut b = load::<R>(rows, *entry);
-            for entry in others {
-                let next = load::<R>(rows, *entry);
-                self.add(&a, &own, &b, &mut sum);
-                b = next;
+        let lists: [&[[u32; WIDTH]]; 2] =
+            std::array::from_fn(|k| if k < R::Scalar::BLOCKS { list.block(first / WIDTH + k) } else { &[] });
+        let longest = lists[0].len().max(lists[1].len());
+        if longest > 0 {
+            // The next neighbours are loaded and their pairs begun before the present ones are summed: loads,
+            // transposes, root and divisions then overlap with the long rest of the pair.
+            let mut present = self.begin(rows, &a, R::Scalar::entry(&lists, 0, &numbers));
+            for k in 1..longest {
+                let next = self.begin(rows, &a, R::Scalar::entry(&lists, k, &numbers));
+                self.add(&a, &own, present, &mut sum);
+                present = next;
             }
-            self.add(&a, &own, &b, &mut sum);
+            self.add(&a, &own, present, &mut sum);
         }
         self.terms.finish(&a, sum, &mut results[..T::OUTPUTS]);
     }
 }
 
-/// Loads the rows of eight particles.
+/// Loads the rows of eight particles, or twice as many in single precision.
 #[inline(always)]
-pub fn load<R: Record>(rows: &RowTable, particles: [u32; WIDTH]) -> R {
-    let row = |lane: usize| &rows.first[particles[lane] as usize];
-    let first = Lanes::transpose(std::array::from_fn(row));
-    let second = if R::SECOND {
-        Lanes::transpose_half(std::array::from_fn(|lane| &rows.second[particles[lane] as usize]))
-    } else {
-        [Lanes::ZERO; WIDTH / 2]
-    };
-    R::from_slots(first, second)
+pub fn load<R: Record<Scalar: Packed>>(rows: &RowTable, particles: [&[u32; WIDTH]; 2]) -> R {
+    R::from_slots(R::Scalar::load(rows, particles, R::SECOND))
 }
 
 impl<R, I, T> Stage for PairPass<R, I, T>
 where
-    R: Record,
+    R: Record<Scalar: Packed>,
     I: Interaction<R>,
     T: PairTerm<R, I::Pair>,
 {
@@ -126,12 +144,13 @@ where
     /// ```text
     /// bytes = pairs * (index + rows of b) + particles * (rows of a + 8 * columns)
     /// ```
-    /// An index takes 4 bytes, the rows of a particle 64, or 96 where the record has a second one. Operations
+    /// An index takes 4 bytes, the rows of a particle 64, or 96 where the record has a second one in double
+    /// precision. Operations
     /// are those of the pairs alone; what is done once a particle adds a few per cent.
     fn pair_work(&self, world: &World) -> PairWork {
         let mut columns = Columns::new();
         self.terms.outputs(&mut columns);
-        let rows = size_of::<Row>() + if R::SECOND { size_of::<HalfRow>() } else { 0 };
+        let rows = R::Scalar::bytes(R::SECOND);
         let written = size_of::<f64>() * columns.iter().flatten().count();
         let (pairs, particles) = (world.neighbours.slots(), world.neighbours.len());
         let bytes = pairs * (size_of::<u32>() + rows) + particles * (rows + written);

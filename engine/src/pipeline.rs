@@ -1,8 +1,8 @@
 //! The pipeline: stages in an explicit order, and the runner that owns spans, costs and checks.
 
 use crate::clock::Clock;
+use crate::lanes::RowTable;
 use crate::neighbours::NeighbourList;
-use crate::pairs::RowTable;
 use crate::store::Store;
 use bumpalo::Bump;
 use std::ops::AddAssign;

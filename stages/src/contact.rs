@@ -3,71 +3,109 @@
 
 use crate::geometry::{AxisState, Geometry};
 use crate::record::{DeformationState, FlowState, ShockRecord};
-use meniscus_engine::lanes::Lanes;
+use meniscus_engine::lanes::{Lanes, Scalar};
 use meniscus_engine::pairs::Interaction;
 use std::f64::consts::PI;
 
 /// One evaluated pair, seen from a. Vectors point from a to b.
 #[derive(Clone, Copy, Debug)]
-pub struct Contact {
+pub struct Contact<T: Scalar = f64> {
     /// r_b - r_a, m.
-    pub dr: Lanes,
+    pub dr: Lanes<T>,
     /// z_b - z_a, m.
-    pub dz: Lanes,
+    pub dz: Lanes<T>,
     /// 1 - |d|/H, zero beyond the support radius.
-    pub inside: Lanes,
+    pub inside: Lanes<T>,
     /// V_b g_ab/|d|, 1/m2: the plain weight of a neighbour.
-    pub area_kernel: Lanes,
+    pub area_kernel: Lanes<T>,
     /// w_ab g_ab/|d|, 1/m2: the scheme's weight of a neighbour.
-    pub weight_kernel: Lanes,
+    pub weight_kernel: Lanes<T>,
     /// (U* - U_a) . e_ab times the distance, m2/s.
-    pub rise: Lanes,
+    pub rise: Lanes<T>,
     /// The part of P* that the pressures give, Pa.
-    pub pressure: Lanes,
+    pub pressure: Lanes<T>,
     /// The part of P* that the velocity jump gives, Pa.
-    pub dissipation: Lanes,
+    pub dissipation: Lanes<T>,
+}
+
+/// Two particles before their contact is known: what roots and divisions give.
+#[derive(Clone, Copy, Debug)]
+pub struct Approach<T: Scalar = f64> {
+    /// r_b - r_a, m.
+    dr: Lanes<T>,
+    /// z_b - z_a, m.
+    dz: Lanes<T>,
+    /// |d|, m.
+    distance: Lanes<T>,
+    /// What a reconstruction gives.
+    rises: Rises<T>,
+    /// Z_a and Z_b, kg/(m2 s).
+    impedances: (Lanes<T>, Lanes<T>),
+    /// 1/|d|, 1/m.
+    inverse_distance: Lanes<T>,
+    /// 1/H, 1/m.
+    inverse_support: Lanes<T>,
+    /// 1/(Z_a + Z_b), m2 s/kg.
+    inverse_impedance: Lanes<T>,
 }
 
 /// How velocities are brought to the contact.
-pub trait Reconstruction<R>: Copy + Send + Sync {
+pub trait Reconstruction<R: FlowState>: Copy + Send + Sync {
     /// Floating-point operations of both functions, counted as a pair term's.
     const OPERATIONS: u64;
 
     /// Half-steps from a and b towards the contact along d, times the distance, and the jump that
     /// P* feels, times the distance, all in m2/s. `jump` is (U_b - U_a) . d.
-    fn reconstruct(&self, a: &R, b: &R, d: (Lanes, Lanes), jump: Lanes, inverse_distance: Lanes) -> Rises;
+    fn reconstruct(
+        &self,
+        a: &R,
+        b: &R,
+        d: (Lanes<R::Scalar>, Lanes<R::Scalar>),
+        jump: Lanes<R::Scalar>,
+        inverse_distance: Lanes<R::Scalar>,
+    ) -> Rises<R::Scalar>;
 
     /// Z_a and Z_b of the waves that leave the contact, kg/(m2 s): those of sound if not said otherwise.
     /// `jump` is (U_b - U_a) . d in m2/s, `distance` |d| in m.
     #[inline(always)]
-    fn impedances(&self, a: &R, b: &R, _jump: Lanes, _distance: Lanes) -> (Lanes, Lanes)
-    where
-        R: FlowState,
-    {
+    fn impedances(
+        &self,
+        a: &R,
+        b: &R,
+        _jump: Lanes<R::Scalar>,
+        _distance: Lanes<R::Scalar>,
+    ) -> (Lanes<R::Scalar>, Lanes<R::Scalar>) {
         (a.flow().impedance, b.flow().impedance)
     }
 }
 
 /// What a reconstruction gives, all times the distance (m2/s).
 #[derive(Clone, Copy, Debug)]
-pub struct Rises {
+pub struct Rises<T: Scalar = f64> {
     /// (u_L - u_a) . d
-    pub left: Lanes,
+    pub left: Lanes<T>,
     /// (u_R - u_a) . d
-    pub right: Lanes,
+    pub right: Lanes<T>,
     /// The jump in P*.
-    pub jump: Lanes,
+    pub jump: Lanes<T>,
 }
 
 /// The first-order flux: the particles' own velocities meet at the contact (equations (19), (20)).
 #[derive(Clone, Copy, Debug)]
 pub struct FirstOrder;
 
-impl<R> Reconstruction<R> for FirstOrder {
+impl<R: FlowState> Reconstruction<R> for FirstOrder {
     const OPERATIONS: u64 = 0;
 
     #[inline(always)]
-    fn reconstruct(&self, _: &R, _: &R, _: (Lanes, Lanes), jump: Lanes, _: Lanes) -> Rises {
+    fn reconstruct(
+        &self,
+        _: &R,
+        _: &R,
+        _: (Lanes<R::Scalar>, Lanes<R::Scalar>),
+        jump: Lanes<R::Scalar>,
+        _: Lanes<R::Scalar>,
+    ) -> Rises<R::Scalar> {
         Rises { left: Lanes::ZERO, right: jump, jump }
     }
 }
@@ -82,29 +120,33 @@ pub struct Shock {
     pub slope: f64,
 }
 
-/// Keeps the impedance of a cold gas at rest from dividing by zero; far below that of anything that flows.
-const LEAST_IMPEDANCE: f64 = 1e-100;
-
-impl Reconstruction<ShockRecord> for Shock {
+impl<T: Scalar> Reconstruction<ShockRecord<T>> for Shock {
     const OPERATIONS: u64 = 6;
 
     #[inline(always)]
     fn reconstruct(
         &self,
-        _: &ShockRecord,
-        _: &ShockRecord,
-        _: (Lanes, Lanes),
-        jump: Lanes,
-        _: Lanes,
-    ) -> Rises {
+        _: &ShockRecord<T>,
+        _: &ShockRecord<T>,
+        _: (Lanes<T>, Lanes<T>),
+        jump: Lanes<T>,
+        _: Lanes<T>,
+    ) -> Rises<T> {
         Rises { left: Lanes::ZERO, right: jump, jump }
     }
 
     #[inline(always)]
-    fn impedances(&self, a: &ShockRecord, b: &ShockRecord, jump: Lanes, distance: Lanes) -> (Lanes, Lanes) {
+    fn impedances(
+        &self,
+        a: &ShockRecord<T>,
+        b: &ShockRecord<T>,
+        jump: Lanes<T>,
+        distance: Lanes<T>,
+    ) -> (Lanes<T>, Lanes<T>) {
         let rise = Lanes::splat(0.5 * self.slope) * (-jump).max(Lanes::ZERO) / distance;
-        let least = Lanes::splat(LEAST_IMPEDANCE);
-        let of = |record: &ShockRecord| record.density.mul_add(rise, record.flow().impedance).max(least);
+        // Keeps a cold gas at rest from dividing by zero; far below the impedance of anything that flows.
+        let least = Lanes::splat(T::TINY.sqrt());
+        let of = |record: &ShockRecord<T>| record.density.mul_add(rise, record.flow().impedance).max(least);
         (of(a), of(b))
     }
 }
@@ -126,10 +168,10 @@ impl<R: DeformationState> Reconstruction<R> for Limited {
         &self,
         a: &R,
         b: &R,
-        (dr, dz): (Lanes, Lanes),
-        jump: Lanes,
-        inverse_distance: Lanes,
-    ) -> Rises {
+        (dr, dz): (Lanes<R::Scalar>, Lanes<R::Scalar>),
+        jump: Lanes<R::Scalar>,
+        inverse_distance: Lanes<R::Scalar>,
+    ) -> Rises<R::Scalar> {
         let (dr_dr, dr_dz, dz_dz) = (dr * dr, dr * dz, dz * dz);
         // d . grad U . d needs the symmetric part of the gradient alone.
         let along = |record: &R| {
@@ -138,10 +180,10 @@ impl<R: DeformationState> Reconstruction<R> for Limited {
         };
         // van Leer's mean of x = 2 grad U . d - jump and y = jump is x y / (grad U . d) where x y > 0.
         let (along_a, along_b) = (along(a), along(b));
-        let product = |along: Lanes| (along + along - jump) * jump;
+        let product = |along: Lanes<R::Scalar>| (along + along - jump) * jump;
         let (product_a, product_b) = (product(along_a), product(along_b));
-        let smallest = Lanes::splat(1e-200);
-        let safe = |product: Lanes, along| product.select_greater(smallest, along, Lanes::ONE);
+        let smallest = Lanes::splat(R::Scalar::TINY);
+        let safe = |product: Lanes<R::Scalar>, along| product.select_greater(smallest, along, Lanes::ONE);
         let (safe_a, safe_b) = (safe(product_a, along_a), safe(product_b, along_b));
         let inverse = Lanes::HALF / (safe_a * safe_b);
         let half_a = product_a.select_greater(smallest, product_a * safe_b * inverse, Lanes::ZERO);
@@ -174,12 +216,13 @@ pub(crate) const KERNEL: f64 = 140.0 / PI;
 const OPERATIONS: u64 = 48;
 
 impl<R: FlowState, G: Geometry, F: Reconstruction<R>> Interaction<R> for ContactProblem<G, F> {
-    type Pair = Contact;
-    type Own = AxisState;
+    type Pair = Contact<R::Scalar>;
+    type Own = AxisState<R::Scalar>;
+    type Approach = Approach<R::Scalar>;
 
     #[inline(always)]
-    fn prepare(&self, a: &R) -> AxisState {
-        self.geometry.prepare(a.flow())
+    fn prepare(&self, a: &R) -> AxisState<R::Scalar> {
+        self.geometry.prepare(a)
     }
 
     fn operations(&self) -> u64 {
@@ -187,31 +230,53 @@ impl<R: FlowState, G: Geometry, F: Reconstruction<R>> Interaction<R> for Contact
     }
 
     #[inline(always)]
-    fn evaluate(&self, record_a: &R, own: &AxisState, record_b: &R) -> Contact {
+    fn approach(&self, record_a: &R, record_b: &R) -> Approach<R::Scalar> {
         let (a, b) = (record_a.flow(), record_b.flow());
-        let (dr, dz) = (b.r - a.r, b.z - a.z);
+        let (dr, dz) = (a.r.to(b.r), a.z.to(b.z));
         // A particle is its own neighbour where a list is filled up: its distance must not divide by zero.
-        let square = (dr * dr + dz * dz).max(Lanes::splat(f64::MIN_POSITIVE));
+        let square = (dr * dr + dz * dz).max(Lanes::splat(R::Scalar::LEAST));
         let distance = square.sqrt();
         let support = a.reach + b.reach;
         let (du, dw) = (b.velocity_r - a.velocity_r, b.velocity_z - a.velocity_z);
         let jump = du.mul_add(dr, dw * dz);
-        let (impedance_a, impedance_b) = self.reconstruction.impedances(record_a, record_b, jump, distance);
-        let impedance = impedance_a + impedance_b;
+        let impedances = self.reconstruction.impedances(record_a, record_b, jump, distance);
+        let impedance = impedances.0 + impedances.1;
 
         // One division gives the three inverses.
         let support_impedance = support * impedance;
         let inverse = Lanes::ONE / (support_impedance * distance);
         let inverse_distance = inverse * support_impedance;
-        let inverse_support = inverse * distance * impedance;
-        let inverse_impedance = inverse * distance * support;
+        let rises = self.reconstruction.reconstruct(record_a, record_b, (dr, dz), jump, inverse_distance);
+        Approach {
+            dr,
+            dz,
+            distance,
+            rises,
+            impedances,
+            inverse_distance,
+            inverse_support: inverse * distance * impedance,
+            inverse_impedance: inverse * distance * support,
+        }
+    }
+
+    #[inline(always)]
+    fn evaluate(
+        &self,
+        record_a: &R,
+        own: &AxisState<R::Scalar>,
+        record_b: &R,
+        approach: &Approach<R::Scalar>,
+    ) -> Contact<R::Scalar> {
+        let (a, b) = (record_a.flow(), record_b.flow());
+        let &Approach {
+            dr, dz, distance, rises, inverse_distance, inverse_support, inverse_impedance, ..
+        } = approach;
+        let (impedance_a, impedance_b) = approach.impedances;
 
         let inside = distance.neg_mul_add(inverse_support, Lanes::ONE).max(Lanes::ZERO);
         let inverse_square = inverse_support * inverse_support;
         let scale = Lanes::splat(0.5 * KERNEL) * (record_a.kernel_scale() + record_b.kernel_scale());
         let kernel = scale * inverse_square * inverse_square * (inside * inside * inside);
-
-        let rises = self.reconstruction.reconstruct(record_a, record_b, (dr, dz), jump, inverse_distance);
 
         // Equations (19) and (20), the velocities relative to U_a.
         let carried = impedance_a.mul_add(rises.left, impedance_b * rises.right);
@@ -223,7 +288,7 @@ impl<R: FlowState, G: Geometry, F: Reconstruction<R>> Interaction<R> for Contact
             dz,
             inside,
             area_kernel,
-            weight_kernel: area_kernel * self.geometry.factor(own, b),
+            weight_kernel: area_kernel * self.geometry.factor(own, record_a, record_b),
             rise: (carried + pushed) * inverse_impedance,
             pressure: b.pressure.mul_add(impedance_a, a.pressure * impedance_b) * inverse_impedance,
             dissipation: -(resistance * rises.jump * inverse_distance),

@@ -2,8 +2,9 @@
 
 use crate::fields;
 use crate::liquids::EquationOfState;
-use crate::record::{Deformation, Flow, ShockRecord, image_of_flow, image_of_second};
-use meniscus_engine::lanes::{Lanes, WIDTH};
+use crate::record::{Deformation, Flow, Precision};
+use crate::rows::{FirstPart, SecondPart, image_of_first, image_of_second, image_of_single};
+use meniscus_engine::lanes::{HalfRow, Lanes, Row, SingleRow, WIDTH};
 use meniscus_engine::neighbours::Domain;
 use meniscus_engine::parallel;
 use meniscus_engine::pipeline::{Fault, Stage, World};
@@ -23,6 +24,15 @@ pub struct Packing {
 }
 
 impl Packing {
+    /// The unit of length of the rows, m: with that of single precision, a power of two, no product of a pair
+    /// runs out of its range.
+    pub fn unit(&self, precision: Precision) -> f64 {
+        match precision {
+            Precision::Double => 1.0,
+            Precision::Mixed => (0.5 * self.largest_size).log2().floor().exp2(),
+        }
+    }
+
     /// D = sqrt(V), m, of a particle at r (m) with its density (kg/m3) and mass (kg).
     #[inline(always)]
     pub fn size(&self, r: f64, density: f64, mass: f64) -> f64 {
@@ -72,6 +82,9 @@ pub struct State<E> {
     energy: Option<Read<f64>>,
     reference_pressure: Read<f64>,
     second: Option<SecondRow>,
+    precision: Precision,
+    /// The unit of length of the rows, m.
+    unit: f64,
     size: Write<f64>,
     pressure: Write<f64>,
     sound_speed: Write<f64>,
@@ -79,7 +92,13 @@ pub struct State<E> {
 
 impl<E: EquationOfState> State<E> {
     /// Packs rows with the given second half.
-    pub fn new(wiring: &mut Wiring, equation: E, packing: Packing, second: Second) -> Self {
+    pub fn new(
+        wiring: &mut Wiring,
+        equation: E,
+        packing: Packing,
+        second: Second,
+        precision: Precision,
+    ) -> Self {
         wiring.stage("equation-of-state");
         State {
             equation,
@@ -91,6 +110,8 @@ impl<E: EquationOfState> State<E> {
             energy: E::WITH_ENERGY.then(|| wiring.read(&fields::TOTAL_ENERGY)),
             reference_pressure: wiring.read(&fields::REFERENCE_PRESSURE),
             second: SecondRow::new(wiring, second),
+            precision,
+            unit: packing.unit(precision),
             size: wiring.write(&fields::SIZE),
             pressure: wiring.write(&fields::PRESSURE),
             sound_speed: wiring.write(&fields::SOUND_SPEED),
@@ -98,7 +119,7 @@ impl<E: EquationOfState> State<E> {
     }
 
     /// Size, pressure and sound speed of every particle, and its row.
-    fn evaluate(&self, world: &mut World) {
+    fn evaluate<R: FirstPart>(&self, world: &mut World) {
         let store = &world.store;
         let [r, z] = self.position.map(|field| store.read(field));
         let [u, w] = self.velocity.map(|field| store.read(field));
@@ -111,7 +132,7 @@ impl<E: EquationOfState> State<E> {
             (&r[..], &z[..], &u[..], &w[..]),
             (&density[..], &mass[..], &reference[..], energy.as_deref()),
             (&mut size[..], &mut pressure[..], &mut sound_speed[..]),
-            &mut world.rows.first[..r.len()],
+            &mut R::table(&mut world.rows)[..r.len()],
         );
         parallel::for_chunks(r.len(), columns, |_, (motion, state, results, rows)| {
             for (k, rows) in rows.chunks_mut(WIDTH).enumerate() {
@@ -146,21 +167,56 @@ impl<E: EquationOfState> State<E> {
                     pressure,
                     impedance: std::array::from_fn(|i| density[i] * sound_speed[i]),
                 };
-                flow.pack_into(rows);
+                R::pack(&flow, rows, self.unit);
             }
         });
     }
 }
 
 impl<E: EquationOfState> State<E> {
-    fn pack_density(&self, world: &mut World, kernel_scale: Read<f64>) {
+    fn pack_double(&self, world: &mut World) {
+        let (particles, images) = (world.store.len(), world.neighbours.images().len());
+        world.rows.resize(particles, images, self.second.is_some());
+        self.evaluate::<Row>(world);
+        self.pack_second::<HalfRow>(world);
+        for (k, image) in world.neighbours.images().iter().enumerate() {
+            let (source, copy) = (image.source as usize, particles + k);
+            world.rows.first[copy] = image_of_first(image, &self.packing.domain, &world.rows.first[source]);
+            if self.second.is_some() {
+                world.rows.second[copy] = image_of_second(image, &world.rows.second[source]);
+            }
+        }
+    }
+
+    fn pack_mixed(&self, world: &mut World) {
+        let (particles, images) = (world.store.len(), world.neighbours.images().len());
+        let (domain, unit) = (&self.packing.domain, self.unit);
+        world.rows.resize_single(particles, images);
+        self.evaluate::<SingleRow>(world);
+        self.pack_second::<SingleRow>(world);
+        let rows = &mut world.rows.single;
+        for (k, image) in world.neighbours.images().iter().enumerate() {
+            rows[particles + k] = image_of_single(image, domain, unit, &rows[image.source as usize]);
+        }
+    }
+
+    fn pack_density<R: SecondPart>(&self, world: &mut World, kernel_scale: Read<f64>) {
         let (density, scale) = (world.store.read(self.density), world.store.read(kernel_scale));
-        let columns = (&density[..], &scale[..], &mut world.rows.second[..density.len()]);
+        let columns = (&density[..], &scale[..], &mut R::table(&mut world.rows)[..density.len()]);
         parallel::for_chunks(density.len(), columns, |_, (density, scale, rows)| {
             for ((row, density), scale) in rows.iter_mut().zip(density).zip(scale) {
-                *row = ShockRecord::pack_second(*density, *scale);
+                row.set_density(*density, *scale);
             }
         });
+    }
+
+    /// The second rows, or the second part of rows of single precision.
+    fn pack_second<R: SecondPart>(&self, world: &mut World) {
+        match &self.second {
+            Some(SecondRow::Deformation(fields)) => fields.pack::<R>(world, self.unit),
+            Some(SecondRow::Density(scale)) => self.pack_density::<R>(world, *scale),
+            None => {}
+        }
     }
 }
 
@@ -191,7 +247,7 @@ impl DeformationFields {
 
     /// G^n = g^{n-1} + h s: the gradient of the step before, moved on to the present time
     /// (method.md, section 10, "One traversal a step").
-    fn pack(&self, world: &mut World) {
+    fn pack<R: SecondPart>(&self, world: &mut World, unit: f64) {
         let elapsed = world.clock.previous_step_size;
         let store = &world.store;
         let [rr, shear, zz] = self.deformation.map(|field| store.read(field));
@@ -200,20 +256,20 @@ impl DeformationFields {
         let columns = (
             (&rr[..], &shear[..], &zz[..], &scale[..]),
             (&change_rr[..], &change_shear[..], &change_zz[..]),
-            &mut world.rows.second[..rr.len()],
+            &mut R::table(&mut world.rows)[..rr.len()],
         );
         parallel::for_chunks(rr.len(), columns, |_, ((rr, shear, zz, scale), change, rows)| {
             let len = rows.len();
             let (rr, shear, zz, scale) = (&rr[..len], &shear[..len], &zz[..len], &scale[..len]);
             let change = (&change.0[..len], &change.1[..len], &change.2[..len]);
             for i in 0..len {
-                rows[i] = Deformation {
+                let deformation = Deformation {
                     rr: rr[i] + elapsed * change.0[i],
                     shear: shear[i] + elapsed * change.1[i],
                     zz: zz[i] + elapsed * change.2[i],
                     kernel_scale: scale[i],
-                }
-                .pack();
+                };
+                rows[i].set_deformation(&deformation, unit);
             }
         });
     }
@@ -225,20 +281,9 @@ impl<E: EquationOfState> Stage for State<E> {
     }
 
     fn run(&mut self, world: &mut World) -> Result<(), Fault> {
-        let (particles, images) = (world.store.len(), world.neighbours.images().len());
-        world.rows.resize(particles, images, self.second.is_some());
-        self.evaluate(world);
-        match &self.second {
-            Some(SecondRow::Deformation(fields)) => fields.pack(world),
-            Some(SecondRow::Density(scale)) => self.pack_density(world, *scale),
-            None => {}
-        }
-        for (k, image) in world.neighbours.images().iter().enumerate() {
-            let (source, copy) = (image.source as usize, particles + k);
-            world.rows.first[copy] = image_of_flow(image, &self.packing.domain, &world.rows.first[source]);
-            if self.second.is_some() {
-                world.rows.second[copy] = image_of_second(image, &world.rows.second[source]);
-            }
+        match self.precision {
+            Precision::Double => self.pack_double(world),
+            Precision::Mixed => self.pack_mixed(world),
         }
         Ok(())
     }

@@ -1,15 +1,15 @@
 //! Axisymmetry: the weights and hoop terms of the schemes. It lives here and nowhere else.
 
-use crate::record::Flow;
-use meniscus_engine::lanes::Lanes;
+use crate::record::FlowState;
+use meniscus_engine::lanes::{Lanes, Scalar};
 
 /// What a scheme computes once per particle: 1/R_a, and whether it is far from the axis.
 #[derive(Clone, Copy, Debug)]
-pub struct AxisState {
+pub struct AxisState<T: Scalar = f64> {
     /// 1/R_a, 1/m.
-    pub inverse_radius: Lanes,
+    pub inverse_radius: Lanes<T>,
     /// One where the harmonic-mean weights hold, zero where Parshikov's do.
-    pub far: Lanes,
+    pub far: Lanes<T>,
 }
 
 /// How a pair is weighted and which hoop terms a particle has.
@@ -18,16 +18,16 @@ pub trait Geometry: Copy + Send + Sync {
     const OPERATIONS: u64;
 
     /// What is computed once per particle.
-    fn prepare(&self, a: &Flow<Lanes>) -> AxisState;
+    fn prepare<R: FlowState>(&self, a: &R) -> AxisState<R::Scalar>;
 
     /// w_ab/V_b of method.md, sections 3 and 4.
-    fn factor(&self, own: &AxisState, b: &Flow<Lanes>) -> Lanes;
+    fn factor<R: FlowState>(&self, own: &AxisState<R::Scalar>, a: &R, b: &R) -> Lanes<R::Scalar>;
 
     /// The factor of P_a in the radial force, 1/R_a or zero, in 1/m.
-    fn hoop_force(&self, a: &Flow<Lanes>) -> Lanes;
+    fn hoop_force<R: FlowState>(&self, a: &R) -> Lanes<R::Scalar>;
 
     /// 1/R_a, the factor of U_r in the strain rate, in 1/m.
-    fn inverse_radius(&self, a: &Flow<Lanes>) -> Lanes {
+    fn inverse_radius<R: FlowState>(&self, a: &R) -> Lanes<R::Scalar> {
         self.prepare(a).inverse_radius
     }
 }
@@ -58,14 +58,13 @@ pub struct Parshikov {
 }
 
 #[inline(always)]
-fn axis_state(origin: f64, a: &Flow<Lanes>, far: Lanes) -> AxisState {
-    AxisState { inverse_radius: Lanes::ONE / (a.r + Lanes::splat(origin)), far }
+fn axis_state<R: FlowState>(origin: f64, a: &R, far: Lanes<R::Scalar>) -> AxisState<R::Scalar> {
+    AxisState { inverse_radius: Lanes::ONE / a.radius(origin), far }
 }
 
 /// w_ab/V_b = 2 R_b (R_a + R_b)/(2 R_a R_b) = 1 + R_b/R_a, nothing for an image.
 #[inline(always)]
-fn harmonic_mean(origin: f64, own: &AxisState, b: &Flow<Lanes>) -> Lanes {
-    let radius_b = b.r + Lanes::splat(origin);
+fn harmonic_mean<T: Scalar>(own: &AxisState<T>, radius_b: Lanes<T>) -> Lanes<T> {
     let factor = radius_b.mul_add(own.inverse_radius, Lanes::ONE);
     radius_b.select_greater(Lanes::ZERO, factor, Lanes::ZERO)
 }
@@ -74,15 +73,15 @@ impl Geometry for HarmonicMean {
     const OPERATIONS: u64 = 3;
 
     #[inline(always)]
-    fn prepare(&self, a: &Flow<Lanes>) -> AxisState {
+    fn prepare<R: FlowState>(&self, a: &R) -> AxisState<R::Scalar> {
         axis_state(self.origin, a, Lanes::ONE)
     }
     #[inline(always)]
-    fn factor(&self, own: &AxisState, b: &Flow<Lanes>) -> Lanes {
-        harmonic_mean(self.origin, own, b)
+    fn factor<R: FlowState>(&self, own: &AxisState<R::Scalar>, a: &R, b: &R) -> Lanes<R::Scalar> {
+        harmonic_mean(own, b.radius_near(a, self.origin))
     }
     #[inline(always)]
-    fn hoop_force(&self, a: &Flow<Lanes>) -> Lanes {
+    fn hoop_force<R: FlowState>(&self, a: &R) -> Lanes<R::Scalar> {
         self.inverse_radius(a)
     }
 }
@@ -92,18 +91,18 @@ impl Geometry for NearAxisParshikov {
 
     /// Far is R_a > K h; h = 2 theta D_a is the record's reach.
     #[inline(always)]
-    fn prepare(&self, a: &Flow<Lanes>) -> AxisState {
-        let radius = a.r + Lanes::splat(self.origin);
-        let near = Lanes::splat(self.axis_factor) * a.reach;
+    fn prepare<R: FlowState>(&self, a: &R) -> AxisState<R::Scalar> {
+        let radius = a.radius(self.origin);
+        let near = Lanes::splat(self.axis_factor) * a.flow().reach;
         axis_state(self.origin, a, radius.select_greater(near, Lanes::ONE, Lanes::ZERO))
     }
     #[inline(always)]
-    fn factor(&self, own: &AxisState, b: &Flow<Lanes>) -> Lanes {
-        let factor = harmonic_mean(self.origin, own, b);
+    fn factor<R: FlowState>(&self, own: &AxisState<R::Scalar>, a: &R, b: &R) -> Lanes<R::Scalar> {
+        let factor = harmonic_mean(own, b.radius_near(a, self.origin));
         own.far.select_greater(Lanes::ZERO, factor, Lanes::splat(2.0))
     }
     #[inline(always)]
-    fn hoop_force(&self, a: &Flow<Lanes>) -> Lanes {
+    fn hoop_force<R: FlowState>(&self, a: &R) -> Lanes<R::Scalar> {
         let own = self.prepare(a);
         own.far * own.inverse_radius
     }
@@ -113,15 +112,15 @@ impl Geometry for Parshikov {
     const OPERATIONS: u64 = 0;
 
     #[inline(always)]
-    fn prepare(&self, a: &Flow<Lanes>) -> AxisState {
+    fn prepare<R: FlowState>(&self, a: &R) -> AxisState<R::Scalar> {
         axis_state(self.origin, a, Lanes::ZERO)
     }
     #[inline(always)]
-    fn factor(&self, _: &AxisState, _: &Flow<Lanes>) -> Lanes {
+    fn factor<R: FlowState>(&self, _: &AxisState<R::Scalar>, _: &R, _: &R) -> Lanes<R::Scalar> {
         Lanes::splat(2.0)
     }
     #[inline(always)]
-    fn hoop_force(&self, _: &Flow<Lanes>) -> Lanes {
+    fn hoop_force<R: FlowState>(&self, _: &R) -> Lanes<R::Scalar> {
         Lanes::ZERO
     }
 }

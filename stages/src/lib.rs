@@ -21,6 +21,7 @@ pub mod liquids;
 pub mod moment;
 pub mod record;
 pub mod reference_pressure;
+pub mod rows;
 pub mod shifting;
 pub mod sort_bin;
 pub mod surface;

@@ -1,16 +1,24 @@
 //! What a flux pass knows of a particle: the packed record and its slots.
 
-use meniscus_engine::lanes::{HalfRow, Lanes, Row, WIDTH};
-use meniscus_engine::neighbours::{Domain, Image};
+use meniscus_engine::lanes::{Lanes, Places, Scalar, Slots, WIDTH};
 use meniscus_engine::pairs::Record;
 
-/// The flow state of one particle, as stages compute it and rows hold it.
+/// The precision of pair sums.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Precision {
+    /// Double precision throughout.
+    Double,
+    /// Pairs in single precision, with places as integers; everything else in double precision.
+    Mixed,
+}
+
+/// The flow state of one particle, as stages compute it and rows hold it. Units are those of double precision.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Flow<T> {
+pub struct Flow<T, P = T> {
     /// Radial coordinate, m.
-    pub r: T,
+    pub r: P,
     /// Axial coordinate, m.
-    pub z: T,
+    pub z: P,
     /// Half the support radius of a pair of equals, 2 theta D, m.
     pub reach: T,
     /// Area V = m/(2 pi r rho), m2.
@@ -38,174 +46,155 @@ pub struct Deformation<T> {
     pub kernel_scale: T,
 }
 
+/// A flow state in lanes.
+pub type FlowLanes<T> = Flow<Lanes<T>, Places<T>>;
+
 /// A record of one row: the flow state alone.
 #[derive(Clone, Copy, Debug)]
 pub struct FlowRecord {
-    flow: Flow<Lanes>,
+    flow: FlowLanes<f64>,
+    coordinate: Lanes,
 }
 
 /// A record of a row and a half: flow state, rate of deformation and kernel scale.
 #[derive(Clone, Copy, Debug)]
-pub struct DeformationRecord {
-    flow: Flow<Lanes>,
-    deformation: Deformation<Lanes>,
+pub struct DeformationRecord<T: Scalar = f64> {
+    flow: FlowLanes<T>,
+    deformation: Deformation<Lanes<T>>,
+    coordinate: Lanes<T>,
 }
 
 /// A record of a row and a half: flow state, density and kernel scale.
 #[derive(Clone, Copy, Debug)]
-pub struct ShockRecord {
-    flow: Flow<Lanes>,
+pub struct ShockRecord<T: Scalar = f64> {
+    flow: FlowLanes<T>,
     /// Density, kg/m3.
-    pub density: Lanes,
-    kernel_scale: Lanes,
+    pub density: Lanes<T>,
+    kernel_scale: Lanes<T>,
+    coordinate: Lanes<T>,
 }
 
 /// A record that holds a flow state.
 pub trait FlowState: Record {
     /// The flow state.
-    fn flow(&self) -> &Flow<Lanes>;
+    fn flow(&self) -> &FlowLanes<Self::Scalar>;
     /// Factor of the kernel gradient; one where the scene doesn't correct it.
-    fn kernel_scale(&self) -> Lanes;
+    fn kernel_scale(&self) -> Lanes<Self::Scalar>;
+    /// The radial coordinate as a number; a neighbour's may be missing.
+    fn coordinate(&self) -> Lanes<Self::Scalar>;
+
+    /// Distance from the axis, which lies `origin` before that of the coordinates.
+    #[inline(always)]
+    fn radius(&self, origin: f64) -> Lanes<Self::Scalar> {
+        self.coordinate() + Lanes::splat(origin)
+    }
+
+    /// The same for a neighbour of `near`.
+    #[inline(always)]
+    fn radius_near(&self, near: &Self, origin: f64) -> Lanes<Self::Scalar> {
+        self.flow().r.coordinates(near.flow().r, near.coordinate()) + Lanes::splat(origin)
+    }
 }
 
 /// A record that holds the rate of deformation as well.
 pub trait DeformationState: FlowState {
     /// The rate of deformation.
-    fn deformation(&self) -> &Deformation<Lanes>;
+    fn deformation(&self) -> &Deformation<Lanes<Self::Scalar>>;
 }
 
 impl Record for FlowRecord {
+    type Scalar = f64;
     const SECOND: bool = false;
     #[inline(always)]
-    fn from_slots(first: [Lanes; WIDTH], _: [Lanes; WIDTH / 2]) -> Self {
-        FlowRecord { flow: Flow::unpack(first) }
+    fn from_slots(slots: Slots) -> Self {
+        FlowRecord { flow: Flow::of_slots(slots.first), coordinate: slots.coordinate }
     }
 }
 
 impl FlowState for FlowRecord {
     #[inline(always)]
-    fn flow(&self) -> &Flow<Lanes> {
+    fn flow(&self) -> &FlowLanes<f64> {
         &self.flow
     }
     #[inline(always)]
     fn kernel_scale(&self) -> Lanes {
         Lanes::ONE
     }
+    #[inline(always)]
+    fn coordinate(&self) -> Lanes {
+        self.coordinate
+    }
 }
 
-impl Record for DeformationRecord {
+impl<T: Scalar> Record for DeformationRecord<T> {
+    type Scalar = T;
     const SECOND: bool = true;
     #[inline(always)]
-    fn from_slots(first: [Lanes; WIDTH], second: [Lanes; WIDTH / 2]) -> Self {
-        DeformationRecord { flow: Flow::unpack(first), deformation: Deformation::unpack(second) }
-    }
-}
-
-impl FlowState for DeformationRecord {
-    #[inline(always)]
-    fn flow(&self) -> &Flow<Lanes> {
-        &self.flow
-    }
-    #[inline(always)]
-    fn kernel_scale(&self) -> Lanes {
-        self.deformation.kernel_scale
-    }
-}
-
-impl Record for ShockRecord {
-    const SECOND: bool = true;
-    #[inline(always)]
-    fn from_slots(first: [Lanes; WIDTH], [density, _, _, kernel_scale]: [Lanes; WIDTH / 2]) -> Self {
-        ShockRecord { flow: Flow::unpack(first), density, kernel_scale }
-    }
-}
-
-impl FlowState for ShockRecord {
-    #[inline(always)]
-    fn flow(&self) -> &Flow<Lanes> {
-        &self.flow
-    }
-    #[inline(always)]
-    fn kernel_scale(&self) -> Lanes {
-        self.kernel_scale
-    }
-}
-
-impl DeformationState for DeformationRecord {
-    #[inline(always)]
-    fn deformation(&self) -> &Deformation<Lanes> {
-        &self.deformation
-    }
-}
-
-impl<T> Flow<T> {
-    #[inline(always)]
-    fn unpack([r, z, reach, area, velocity_r, velocity_z, pressure, impedance]: [T; WIDTH]) -> Self {
-        Flow { r, z, reach, area, velocity_r, velocity_z, pressure, impedance }
-    }
-}
-
-impl Flow<f64> {
-    /// The state as a row.
-    #[inline]
-    pub fn pack(&self) -> Row {
-        let Flow { r, z, reach, area, velocity_r, velocity_z, pressure, impedance } = *self;
-        Row([r, z, reach, area, velocity_r, velocity_z, pressure, impedance])
-    }
-}
-
-impl Flow<[f64; WIDTH]> {
-    /// Turns the states of eight particles into as many rows as are asked for.
-    #[inline(always)]
-    pub fn pack_into(&self, rows: &mut [Row]) {
-        let Flow { r, z, reach, area, velocity_r, velocity_z, pressure, impedance } = *self;
-        let slots = [r, z, reach, area, velocity_r, velocity_z, pressure, impedance].map(Row);
-        let eight = Lanes::transpose(std::array::from_fn(|slot| &slots[slot]));
-        for (row, lanes) in rows.iter_mut().zip(eight) {
-            *row = Row(lanes.to_array());
+    fn from_slots(slots: Slots<T>) -> Self {
+        let [rr, shear, zz, kernel_scale] = slots.second;
+        DeformationRecord {
+            flow: Flow::of_slots(slots.first),
+            deformation: Deformation { rr, shear, zz, kernel_scale },
+            coordinate: slots.coordinate,
         }
     }
 }
 
-impl<T> Deformation<T> {
+impl<T: Scalar> FlowState for DeformationRecord<T> {
     #[inline(always)]
-    fn unpack([rr, shear, zz, kernel_scale]: [T; WIDTH / 2]) -> Self {
-        Deformation { rr, shear, zz, kernel_scale }
+    fn flow(&self) -> &FlowLanes<T> {
+        &self.flow
+    }
+    #[inline(always)]
+    fn kernel_scale(&self) -> Lanes<T> {
+        self.deformation.kernel_scale
+    }
+    #[inline(always)]
+    fn coordinate(&self) -> Lanes<T> {
+        self.coordinate
     }
 }
 
-impl Deformation<f64> {
-    /// Deformation and scale as half a row.
-    #[inline]
-    pub fn pack(&self) -> HalfRow {
-        HalfRow([self.rr, self.shear, self.zz, self.kernel_scale])
+impl<T: Scalar> Record for ShockRecord<T> {
+    type Scalar = T;
+    const SECOND: bool = true;
+    #[inline(always)]
+    fn from_slots(slots: Slots<T>) -> Self {
+        ShockRecord {
+            flow: Flow::of_slots(slots.first),
+            density: slots.second[0],
+            kernel_scale: slots.second[3],
+            coordinate: slots.coordinate,
+        }
     }
 }
 
-impl ShockRecord {
-    /// Density in kg/m3 and scale as half a row.
-    #[inline]
-    pub fn pack_second(density: f64, kernel_scale: f64) -> HalfRow {
-        HalfRow([density, 0.0, 0.0, kernel_scale])
+impl<T: Scalar> FlowState for ShockRecord<T> {
+    #[inline(always)]
+    fn flow(&self) -> &FlowLanes<T> {
+        &self.flow
+    }
+    #[inline(always)]
+    fn kernel_scale(&self) -> Lanes<T> {
+        self.kernel_scale
+    }
+    #[inline(always)]
+    fn coordinate(&self) -> Lanes<T> {
+        self.coordinate
     }
 }
 
-/// The first row of an image from that of its particle (method.md, section 4).
-pub fn image_of_flow(image: &Image, domain: &Domain, row: &Row) -> Row {
-    let mut flow = Flow::unpack(row.0);
-    (flow.r, flow.z) = domain.place(image, flow.r, flow.z);
-    if image.mirrored {
-        flow.velocity_r = -flow.velocity_r;
+impl<T: Scalar> DeformationState for DeformationRecord<T> {
+    #[inline(always)]
+    fn deformation(&self) -> &Deformation<Lanes<T>> {
+        &self.deformation
     }
-    flow.pack()
 }
 
-/// The second row of an image from that of its particle: a mirror changes the sign of the shear, whose slot
-/// a row without one leaves zero.
-pub fn image_of_second(image: &Image, row: &HalfRow) -> HalfRow {
-    let mut deformation = Deformation::unpack(row.0);
-    if image.mirrored {
-        deformation.shear = -deformation.shear;
+impl<T: Scalar> FlowLanes<T> {
+    #[inline(always)]
+    fn of_slots([r, z, reach, area, velocity_r, velocity_z, pressure, impedance]: [Lanes<T>; WIDTH]) -> Self {
+        let (r, z) = (Places::of_slot(r), Places::of_slot(z));
+        Flow { r, z, reach, area, velocity_r, velocity_z, pressure, impedance }
     }
-    deformation.pack()
 }

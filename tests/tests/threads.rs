@@ -44,3 +44,8 @@ fn an_oscillating_drop() {
 fn a_viscous_drop() {
     same(&["resolution=36", "amplitude=0.5", "liquid.viscosity=1 mPa s"], 100);
 }
+
+#[test]
+fn mixed_precision() {
+    same(&["resolution=36", "amplitude=0.5", "method.precision=mixed"], 200);
+}

@@ -81,6 +81,9 @@ fn a_bad_scene_is_refused_before_anything_is_written() {
         assert!(!said.is_empty());
         assert!(!place.path("runs").exists(), "{set}");
     }
+    let mixed = ["run", "drop.toml", "--set", "method.precision=mixed", "--set", "method.scheme=parshikov"];
+    let said = place.expect(2, &mixed);
+    assert!(said.contains("mixed precision") && said.contains("harmonic-mean"), "{said}");
     place.expect(2, &["run", "missing.toml"]);
     place.expect(2, &["run", "drop.toml", "--until", "3 kg"]);
     place.expect(2, &["plan", "missing.toml"]);

@@ -22,6 +22,7 @@ use meniscus_stages::initial_pressure::InitialPressure;
 use meniscus_stages::integrate::{self, Courant, Integrate};
 use meniscus_stages::kernel_correction::KernelCorrection;
 use meniscus_stages::liquids::EquationOfState;
+use meniscus_stages::record::Precision;
 use meniscus_stages::reference_pressure;
 use meniscus_stages::shifting::{Shifting, Strength};
 use meniscus_stages::sort_bin::SortBin;
@@ -107,10 +108,12 @@ impl Builder<'_> {
         asked && self.with_energy() && !self.reconstructs()
     }
 
+    /// Rows of single precision have one length.
     pub(super) fn second_row(&self) -> Second {
+        let method = &self.physics.method;
         if self.with_shocks() {
             Second::Density
-        } else if self.with_gradient() || self.physics.method.kernel_correction {
+        } else if self.with_gradient() || method.kernel_correction || method.precision == Precision::Mixed {
             Second::Deformation
         } else {
             Second::Nothing
@@ -130,8 +133,8 @@ impl Builder<'_> {
     }
 
     fn state_of<E: EquationOfState>(&mut self, equation: E) -> Box<dyn Stage> {
-        let second = self.second_row();
-        Box::new(State::new(&mut self.wiring, equation, self.packing, second))
+        let (second, precision) = (self.second_row(), self.physics.method.precision);
+        Box::new(State::new(&mut self.wiring, equation, self.packing, second, precision))
     }
 
     fn sort(&mut self) -> Box<dyn Stage> {

@@ -2,12 +2,13 @@
 
 use super::builder::Builder;
 use crate::scene::{AxisTreatment, Scheme};
+use meniscus_engine::lanes::Packed;
 use meniscus_engine::pairs::{PairPass, PairTerm};
 use meniscus_engine::pipeline::Stage;
 use meniscus_stages::contact::{Contact, ContactProblem, FirstOrder, Limited, Reconstruction, Shock};
 use meniscus_stages::equation_of_state::Second;
 use meniscus_stages::geometry::{Geometry, HarmonicMean, NearAxisParshikov, Parshikov};
-use meniscus_stages::record::{DeformationRecord, FlowRecord, FlowState, ShockRecord};
+use meniscus_stages::record::{DeformationRecord, FlowRecord, FlowState, Precision, ShockRecord};
 use meniscus_stages::terms::{
     Crowding, DensityRate, EnergyRate, GhostWeight, MomentMatrix, PressureRiemann, VelocitySum, Viscosity,
 };
@@ -34,59 +35,75 @@ impl Builder<'_> {
             (false, true) => "first-order flux with the contacts of shocks",
             (false, false) => "first-order flux",
         };
-        format!("all pair sums in one traversal: {weights}, {flux}")
+        let precision = match method.precision {
+            Precision::Double => "double precision",
+            Precision::Mixed => "pairs in single precision",
+        };
+        format!("all pair sums in one traversal: {weights}, {flux}, {precision}")
     }
 
     pub(super) fn flux(&mut self) -> Box<dyn Stage> {
         let origin = self.physics.domain.origin;
         let axis_factor = self.physics.method.axis_factor;
         match (self.physics.method.scheme, self.physics.method.axis) {
-            (Scheme::Parshikov, _) => self.flux_with(Parshikov { origin }),
-            (_, AxisTreatment::Conservative) => self.flux_with(HarmonicMean { origin }),
-            (_, AxisTreatment::Parshikov) => self.flux_with(NearAxisParshikov { origin, axis_factor }),
+            (Scheme::Parshikov, _) => self.flux_with::<f64, _>(Parshikov { origin }),
+            (_, AxisTreatment::Conservative) => match self.physics.method.precision {
+                Precision::Double => self.flux_with::<f64, _>(HarmonicMean { origin }),
+                Precision::Mixed => self.flux_with::<f32, _>(HarmonicMean { origin: origin / self.unit() }),
+            },
+            (_, AxisTreatment::Parshikov) => {
+                self.flux_with::<f64, _>(NearAxisParshikov { origin, axis_factor })
+            }
         }
     }
 
-    fn flux_with<G: Geometry + 'static>(&mut self, geometry: G) -> Box<dyn Stage> {
+    fn unit(&self) -> f64 {
+        self.packing.unit(self.physics.method.precision)
+    }
+
+    fn flux_with<T: Packed, G: Geometry + 'static>(&mut self, geometry: G) -> Box<dyn Stage> {
         let shock = Shock { slope: self.physics.equation.shock_slope() };
         // beta = min(1, 300 |J_r|/C) (method.md, section 10, "Coalescence, later").
         let limited =
             Limited { sharpness: 300.0 / self.physics.sound_speed.max(self.physics.shifting_speed) };
         match (self.with_viscosity(), self.with_shocks(), self.reconstructs(), self.second_row()) {
-            (true, _, true, _) => self.viscous(geometry, limited),
-            (true, ..) => self.viscous(geometry, FirstOrder),
-            (_, true, ..) => self.inviscid::<ShockRecord, _, _>(geometry, shock),
-            (_, _, true, _) => self.inviscid::<DeformationRecord, _, _>(geometry, limited),
-            (.., Second::Deformation) => self.inviscid::<DeformationRecord, _, _>(geometry, FirstOrder),
+            (true, _, true, _) => self.viscous::<T, _, _>(geometry, limited),
+            (true, ..) => self.viscous::<T, _, _>(geometry, FirstOrder),
+            (_, true, ..) => self.inviscid::<ShockRecord<T>, _, _>(geometry, shock),
+            (_, _, true, _) => self.inviscid::<DeformationRecord<T>, _, _>(geometry, limited),
+            (.., Second::Deformation) => self.inviscid::<DeformationRecord<T>, _, _>(geometry, FirstOrder),
             _ => self.inviscid::<FlowRecord, _, _>(geometry, FirstOrder),
         }
     }
 
     fn inviscid<R, G, F>(&mut self, geometry: G, reconstruction: F) -> Box<dyn Stage>
     where
-        R: FlowState + 'static,
+        R: FlowState<Scalar: Packed> + 'static,
         G: Geometry + 'static,
         F: Reconstruction<R> + 'static,
     {
+        let unit = self.unit();
         let problem = ContactProblem { geometry, reconstruction };
         // The sums of most scenes are fused without a question; the rest are options.
         match self.sums(geometry) {
             (flow, (Some(moment), Some(weight), Some(sum)), rest) => {
-                pass::<R, _, _, _>(problem, (flow, (moment, weight, sum), rest))
+                pass::<R, _, _, _>(problem, (flow, (moment, weight, sum), rest), unit)
             }
-            sums => pass::<R, _, _, _>(problem, sums),
+            sums => pass::<R, _, _, _>(problem, sums, unit),
         }
     }
 
-    fn viscous<G, F>(&mut self, geometry: G, reconstruction: F) -> Box<dyn Stage>
+    fn viscous<T, G, F>(&mut self, geometry: G, reconstruction: F) -> Box<dyn Stage>
     where
+        T: Packed,
         G: Geometry + 'static,
-        F: Reconstruction<DeformationRecord> + 'static,
+        F: Reconstruction<DeformationRecord<T>> + 'static,
     {
         let sums = self.sums(geometry);
         let (viscosity, with_energy) = (self.physics.viscosity, self.with_energy());
         let viscosity = Viscosity::new(&mut self.wiring, geometry, viscosity, with_energy);
-        pass::<DeformationRecord, _, _, _>(ContactProblem { geometry, reconstruction }, (sums, viscosity))
+        let problem = ContactProblem { geometry, reconstruction };
+        pass::<DeformationRecord<T>, _, _, _>(problem, (sums, viscosity), self.unit())
     }
 
     fn sums<G: Geometry>(&mut self, geometry: G) -> Sums<G> {
@@ -104,12 +121,12 @@ impl Builder<'_> {
     }
 }
 
-fn pass<R, G, F, T>(problem: ContactProblem<G, F>, terms: T) -> Box<dyn Stage>
+fn pass<R, G, F, T>(problem: ContactProblem<G, F>, terms: T, unit: f64) -> Box<dyn Stage>
 where
-    R: FlowState + 'static,
+    R: FlowState<Scalar: Packed> + 'static,
     G: Geometry + 'static,
     F: Reconstruction<R> + 'static,
-    T: PairTerm<R, Contact> + 'static,
+    T: PairTerm<R, Contact<R::Scalar>> + 'static,
 {
-    Box::new(PairPass::<R, _, _>::new("flux", problem, terms))
+    Box::new(PairPass::<R, _, _>::new("flux", problem, terms, unit))
 }

@@ -2,6 +2,7 @@
 
 use super::values::Choice;
 pub use meniscus_stages::correction::Recoil;
+pub use meniscus_stages::record::Precision;
 
 /// Weights of the pair sums in r.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -89,4 +90,8 @@ impl Choice for Recoil {
 
 impl Choice for ReferencePressure {
     const NAMES: &'static [(&'static str, Self)] = &[("drop", Self::Drop), ("none", Self::None)];
+}
+
+impl Choice for Precision {
+    const NAMES: &'static [(&'static str, Self)] = &[("double", Self::Double), ("mixed", Self::Mixed)];
 }

@@ -1,6 +1,8 @@
 //! The numerical choices of a scene.
 
-use super::choices::{AxisTreatment, Curvature, Flux, Recoil, ReferencePressure, Scheme, TimeIntegration};
+use super::choices::{
+    AxisTreatment, Curvature, Flux, Precision, Recoil, ReferencePressure, Scheme, TimeIntegration,
+};
 use super::diagnosis::Fault;
 use super::entry::Entry;
 use super::quantity::NUMBER;
@@ -49,6 +51,8 @@ pub struct Method {
     pub shifting: Option<f64>,
     /// Courant number, above 0 and at most 1.
     pub cfl: f64,
+    /// Precision of the pair sums; mixed only with the default weights.
+    pub precision: Precision,
 }
 
 /// Coefficient of particle shifting under surface tension: of 1, 2, 3 and 5 the one with which most fast
@@ -82,6 +86,7 @@ impl Method {
             momentum_correction: Recoil::Drop,
             shifting: None,
             cfl: 0.5,
+            precision: Precision::Double,
         }
     }
 
@@ -109,7 +114,7 @@ impl Method {
     /// Reads the table of choices; what it leaves unset stays as in `base`.
     pub(super) fn read(entry: Entry<'_>, base: Self) -> Result<Self, Fault> {
         let table = Section::new(entry, &KEYS)?;
-        Ok(Self {
+        let mut method = Self {
             scheme: table.read_or("scheme", base.scheme, |entry| entry.choice())?,
             axis: table.read_or("axis", base.axis, |entry| entry.choice())?,
             axis_factor: table.read_or("axis_factor", base.axis_factor, |entry| {
@@ -148,11 +153,28 @@ impl Method {
             cfl: table.read_or("cfl", base.cfl, |entry| {
                 entry.checked(NUMBER, "must be above 0 and at most 1", |value| value > 0.0 && value <= 1.0)
             })?,
-        })
+            precision: base.precision,
+        };
+        method.precision =
+            table.read_or("precision", method.precision, |entry| method.checked_precision(entry))?;
+        Ok(method)
+    }
+
+    /// Pairs of single precision are built for the default weights alone: each more takes long to build.
+    fn checked_precision(&self, entry: Entry<'_>) -> Result<Precision, Fault> {
+        let precision = entry.choice()?;
+        let default = (self.scheme, self.axis) == (Scheme::HarmonicMean, AxisTreatment::Conservative);
+        if precision == Precision::Mixed && !default {
+            let message = "mixed precision knows neither Parshikov's scheme nor his treatment of the axis";
+            let help = "leave method.precision at \"double\", or set method.scheme = \"harmonic-mean\" and \
+                        method.axis = \"conservative\"";
+            return Err(entry.fault(message, help));
+        }
+        Ok(precision)
     }
 }
 
-const KEYS: [&str; 19] = [
+const KEYS: [&str; 20] = [
     "scheme",
     "axis",
     "axis_factor",
@@ -172,4 +194,5 @@ const KEYS: [&str; 19] = [
     "momentum_correction",
     "shifting",
     "cfl",
+    "precision",
 ];

@@ -34,7 +34,9 @@ mod values;
 mod written;
 
 pub use body::{Body, VelocityField};
-pub use choices::{AxisTreatment, Curvature, Flux, Recoil, ReferencePressure, Scheme, TimeIntegration};
+pub use choices::{
+    AxisTreatment, Curvature, Flux, Precision, Recoil, ReferencePressure, Scheme, TimeIntegration,
+};
 pub use condition::Condition;
 pub use diagnosis::Diagnosis;
 pub use formula::Formula;

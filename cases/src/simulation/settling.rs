@@ -3,7 +3,7 @@
 use super::{SETTLE, Simulation, StartError};
 use crate::assemble::Physics;
 use crate::packing::{PackingOptions, pack};
-use crate::scene::{Flux, Scene};
+use crate::scene::{Flux, Precision, Scene};
 use meniscus_engine::checkpoint::Checkpoint;
 use meniscus_engine::field::{Role, Values};
 use meniscus_engine::store::Store;
@@ -185,6 +185,8 @@ fn slow(physics: &Physics) -> Physics {
     let mut physics = physics.clone();
     physics.method.flux = Flux::FirstOrder;
     physics.viscosity = 0.0;
+    // The start is the same in any precision.
+    physics.method.precision = Precision::Double;
     // The packing is even as it is, and the first-order flux knows no rate of deformation to scale a shift.
     physics.method.shifting = Some(0.0);
     physics

@@ -1,6 +1,6 @@
 //! What a pair pass is made of: the record of a particle, the pair, and the sums over neighbours.
 
-use crate::lanes::{Lanes, WIDTH};
+use crate::lanes::{Lanes, Scalar, Slots};
 use crate::store::Write;
 use arrayvec::ArrayVec;
 
@@ -9,11 +9,14 @@ pub const MOST_OUTPUTS: usize = 24;
 
 /// What a pass knows of a particle: named values that stand in fixed slots of its rows.
 pub trait Record: Copy {
+    /// The precision of its slots.
+    type Scalar: Scalar;
+
     /// Whether it needs the second, half row.
     const SECOND: bool;
 
-    /// Names the slots. `second` is zero where it isn't needed.
-    fn from_slots(first: [Lanes; WIDTH], second: [Lanes; WIDTH / 2]) -> Self;
+    /// Names the slots.
+    fn from_slots(slots: Slots<Self::Scalar>) -> Self;
 }
 
 /// What is evaluated once per pair for all terms: distance, kernel, weight, Riemann state.
@@ -27,11 +30,18 @@ pub trait Interaction<R: Record>: Send + Sync {
     /// Prepares eight particles.
     fn prepare(&self, a: &R) -> Self::Own;
 
-    /// Floating-point operations of [`Interaction::evaluate`] in one lane, counted as a term's.
+    /// What takes long to compute and so begins a neighbour ahead: roots and divisions.
+    type Approach;
+
+    /// Begins with eight pairs. Must be finite for a particle with itself.
+    fn approach(&self, a: &R, b: &R) -> Self::Approach;
+
+    /// Floating-point operations of [`Interaction::approach`] and [`Interaction::evaluate`] in one lane, counted as
+    /// a term's.
     fn operations(&self) -> u64;
 
     /// Evaluates eight pairs. Must be finite for a particle with itself.
-    fn evaluate(&self, a: &R, own: &Self::Own, b: &R) -> Self::Pair;
+    fn evaluate(&self, a: &R, own: &Self::Own, b: &R, approach: &Self::Approach) -> Self::Pair;
 }
 
 /// One sum over the neighbours of a particle.
@@ -49,11 +59,17 @@ pub trait PairTerm<R: Record, P>: Send + Sync {
     fn add(&self, a: &R, b: &R, pair: &P, sum: &mut Self::Sum);
 
     /// Turns the sums into the `OUTPUTS` results.
-    fn finish(&self, a: &R, sum: Self::Sum, results: &mut [Lanes]);
+    fn finish(&self, a: &R, sum: Self::Sum, results: &mut [Lanes<R::Scalar>]);
 
     /// Floating-point operations of [`PairTerm::add`] in one lane: additions, subtractions, multiplications,
     /// divisions and roots. A fused multiplication and addition counts as two, a choice as none.
     fn operations(&self) -> u64;
+
+    /// The power of length in the unit of each of the `OUTPUTS` results: those of a divergence or gradient are
+    /// per metre.
+    fn powers(&self, powers: &mut Powers) {
+        powers.extend(std::iter::repeat_n(-1, Self::OUTPUTS));
+    }
 
     /// The columns to which the results go, as many as `OUTPUTS`; a result without a column is dropped.
     fn outputs(&self, columns: &mut Columns);
@@ -61,6 +77,9 @@ pub trait PairTerm<R: Record, P>: Send + Sync {
 
 /// Where the results of a pass go.
 pub type Columns = ArrayVec<Option<Write<f64>>, MOST_OUTPUTS>;
+
+/// Powers of length in the units of the results of a pass.
+pub type Powers = ArrayVec<i32, MOST_OUTPUTS>;
 
 /// A term that only some scenes have. The test for it in the loop costs next to nothing, where another
 /// fused pass for every combination would cost minutes of building.
@@ -81,7 +100,7 @@ impl<R: Record, P, T: PairTerm<R, P>> PairTerm<R, P> for Option<T> {
     }
 
     #[inline(always)]
-    fn finish(&self, a: &R, sum: Self::Sum, results: &mut [Lanes]) {
+    fn finish(&self, a: &R, sum: Self::Sum, results: &mut [Lanes<R::Scalar>]) {
         if let (Some(term), Some(sum)) = (self, sum) {
             term.finish(a, sum, results);
         }
@@ -89,6 +108,13 @@ impl<R: Record, P, T: PairTerm<R, P>> PairTerm<R, P> for Option<T> {
 
     fn operations(&self) -> u64 {
         self.as_ref().map_or(0, T::operations)
+    }
+
+    fn powers(&self, powers: &mut Powers) {
+        match self {
+            Some(term) => term.powers(powers),
+            None => powers.extend(std::iter::repeat_n(0, T::OUTPUTS)),
+        }
     }
 
     fn outputs(&self, columns: &mut Columns) {
@@ -120,7 +146,7 @@ macro_rules! fused_terms {
             }
 
             #[inline(always)]
-            fn finish(&self, a: &R, sum: Self::Sum, mut results: &mut [Lanes]) {
+            fn finish(&self, a: &R, sum: Self::Sum, mut results: &mut [Lanes<R::Scalar>]) {
                 let ($($term,)+) = self;
                 let ($($sum,)+) = sum;
                 $(
@@ -133,6 +159,11 @@ macro_rules! fused_terms {
             fn operations(&self) -> u64 {
                 let ($($term,)+) = self;
                 0 $(+ $term.operations())+
+            }
+
+            fn powers(&self, powers: &mut Powers) {
+                let ($($term,)+) = self;
+                $($term.powers(powers);)+
             }
 
             fn outputs(&self, columns: &mut Columns) {

@@ -3,7 +3,7 @@
 use crate::contact::Contact;
 use crate::fields;
 use crate::record::FlowState;
-use meniscus_engine::lanes::Lanes;
+use meniscus_engine::lanes::{Lanes, Scalar};
 use meniscus_engine::pairs::{Columns, PairTerm};
 use meniscus_engine::store::Write;
 use meniscus_engine::wiring::Wiring;
@@ -30,22 +30,22 @@ impl Crowding {
 
 /// (1 + 4 q)(1 - q)^4 of the Wendland C2 kernel.
 #[inline(always)]
-fn shape(inside: Lanes) -> Lanes {
+fn shape<T: Scalar>(inside: Lanes<T>) -> Lanes<T> {
     let square = inside * inside;
     Lanes::splat(4.0).neg_mul_add(inside, Lanes::splat(5.0)) * (square * square)
 }
 
-impl<R: FlowState> PairTerm<R, Contact> for Crowding {
-    type Sum = [Lanes; 2];
+impl<R: FlowState> PairTerm<R, Contact<R::Scalar>> for Crowding {
+    type Sum = [Lanes<R::Scalar>; 2];
     const OUTPUTS: usize = 2;
 
     #[inline(always)]
-    fn zero(&self) -> [Lanes; 2] {
+    fn zero(&self) -> [Lanes<R::Scalar>; 2] {
         [Lanes::ZERO; 2]
     }
 
     #[inline(always)]
-    fn add(&self, _: &R, _: &R, pair: &Contact, sum: &mut [Lanes; 2]) {
+    fn add(&self, _: &R, _: &R, pair: &Contact<R::Scalar>, sum: &mut [Lanes<R::Scalar>; 2]) {
         let ratio = shape(pair.inside) * Lanes::splat(self.inverse_regular);
         let square = ratio * ratio;
         let factor = Lanes::splat(0.2).mul_add(square * square, Lanes::ONE);
@@ -55,7 +55,7 @@ impl<R: FlowState> PairTerm<R, Contact> for Crowding {
     }
 
     #[inline(always)]
-    fn finish(&self, _: &R, sum: [Lanes; 2], results: &mut [Lanes]) {
+    fn finish(&self, _: &R, sum: [Lanes<R::Scalar>; 2], results: &mut [Lanes<R::Scalar>]) {
         results.copy_from_slice(&sum);
     }
 

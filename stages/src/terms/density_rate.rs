@@ -22,24 +22,24 @@ impl<G: Geometry> DensityRate<G> {
     }
 }
 
-impl<R: FlowState, G: Geometry> PairTerm<R, Contact> for DensityRate<G> {
-    type Sum = Lanes;
+impl<R: FlowState, G: Geometry> PairTerm<R, Contact<R::Scalar>> for DensityRate<G> {
+    type Sum = Lanes<R::Scalar>;
     const OUTPUTS: usize = 1;
 
     #[inline(always)]
-    fn zero(&self) -> Lanes {
+    fn zero(&self) -> Lanes<R::Scalar> {
         Lanes::ZERO
     }
 
     #[inline(always)]
-    fn add(&self, _: &R, _: &R, pair: &Contact, sum: &mut Lanes) {
+    fn add(&self, _: &R, _: &R, pair: &Contact<R::Scalar>, sum: &mut Lanes<R::Scalar>) {
         *sum = pair.weight_kernel.mul_add(pair.rise, *sum);
     }
 
     #[inline(always)]
-    fn finish(&self, a: &R, sum: Lanes, results: &mut [Lanes]) {
+    fn finish(&self, a: &R, sum: Lanes<R::Scalar>, results: &mut [Lanes<R::Scalar>]) {
         let flow = a.flow();
-        results[0] = flow.velocity_r.mul_add(self.geometry.inverse_radius(flow), sum);
+        results[0] = flow.velocity_r.mul_add(self.geometry.inverse_radius(a), sum);
     }
 
     fn operations(&self) -> u64 {

@@ -23,17 +23,17 @@ impl<G: Geometry> EnergyRate<G> {
     }
 }
 
-impl<R: FlowState, G: Geometry> PairTerm<R, Contact> for EnergyRate<G> {
-    type Sum = Lanes;
+impl<R: FlowState, G: Geometry> PairTerm<R, Contact<R::Scalar>> for EnergyRate<G> {
+    type Sum = Lanes<R::Scalar>;
     const OUTPUTS: usize = 1;
 
     #[inline(always)]
-    fn zero(&self) -> Lanes {
+    fn zero(&self) -> Lanes<R::Scalar> {
         Lanes::ZERO
     }
 
     #[inline(always)]
-    fn add(&self, a: &R, _: &R, pair: &Contact, sum: &mut Lanes) {
+    fn add(&self, a: &R, _: &R, pair: &Contact<R::Scalar>, sum: &mut Lanes<R::Scalar>) {
         let flow = a.flow();
         // U* . d, from what it rises above U_a . d.
         let carried = flow.velocity_r.mul_add(pair.dr, flow.velocity_z.mul_add(pair.dz, pair.rise));
@@ -41,9 +41,9 @@ impl<R: FlowState, G: Geometry> PairTerm<R, Contact> for EnergyRate<G> {
     }
 
     #[inline(always)]
-    fn finish(&self, a: &R, sum: Lanes, results: &mut [Lanes]) {
+    fn finish(&self, a: &R, sum: Lanes<R::Scalar>, results: &mut [Lanes<R::Scalar>]) {
         let flow = a.flow();
-        let hoop = self.geometry.inverse_radius(flow) - self.geometry.hoop_force(flow);
+        let hoop = self.geometry.inverse_radius(a) - self.geometry.hoop_force(a);
         results[0] = sum - flow.pressure * flow.velocity_r * hoop;
     }
 

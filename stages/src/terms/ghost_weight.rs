@@ -24,25 +24,25 @@ impl<G: Geometry> GhostWeight<G> {
     }
 }
 
-impl<R: FlowState, G: Geometry> PairTerm<R, Contact> for GhostWeight<G> {
-    type Sum = [Lanes; 2];
+impl<R: FlowState, G: Geometry> PairTerm<R, Contact<R::Scalar>> for GhostWeight<G> {
+    type Sum = [Lanes<R::Scalar>; 2];
     const OUTPUTS: usize = 2;
 
     #[inline(always)]
-    fn zero(&self) -> [Lanes; 2] {
+    fn zero(&self) -> [Lanes<R::Scalar>; 2] {
         [Lanes::ZERO; 2]
     }
 
     #[inline(always)]
-    fn add(&self, _: &R, _: &R, pair: &Contact, sum: &mut [Lanes; 2]) {
+    fn add(&self, _: &R, _: &R, pair: &Contact<R::Scalar>, sum: &mut [Lanes<R::Scalar>; 2]) {
         let weight = pair.weight_kernel;
         sum[0] -= weight * pair.dr;
         sum[1] -= weight * pair.dz;
     }
 
     #[inline(always)]
-    fn finish(&self, a: &R, sum: [Lanes; 2], results: &mut [Lanes]) {
-        results[0] = Lanes::HALF * (sum[0] + self.geometry.hoop_force(a.flow()));
+    fn finish(&self, a: &R, sum: [Lanes<R::Scalar>; 2], results: &mut [Lanes<R::Scalar>]) {
+        results[0] = Lanes::HALF * (sum[0] + self.geometry.hoop_force(a));
         results[1] = Lanes::HALF * sum[1];
     }
 

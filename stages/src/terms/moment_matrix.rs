@@ -4,7 +4,7 @@ use crate::contact::Contact;
 use crate::fields;
 use crate::record::FlowState;
 use meniscus_engine::lanes::Lanes;
-use meniscus_engine::pairs::{Columns, PairTerm};
+use meniscus_engine::pairs::{Columns, PairTerm, Powers};
 use meniscus_engine::store::Write;
 use meniscus_engine::wiring::Wiring;
 
@@ -21,17 +21,17 @@ impl MomentMatrix {
     }
 }
 
-impl<R: FlowState> PairTerm<R, Contact> for MomentMatrix {
-    type Sum = [Lanes; 3];
+impl<R: FlowState> PairTerm<R, Contact<R::Scalar>> for MomentMatrix {
+    type Sum = [Lanes<R::Scalar>; 3];
     const OUTPUTS: usize = 3;
 
     #[inline(always)]
-    fn zero(&self) -> [Lanes; 3] {
+    fn zero(&self) -> [Lanes<R::Scalar>; 3] {
         [Lanes::ZERO; 3]
     }
 
     #[inline(always)]
-    fn add(&self, _: &R, _: &R, pair: &Contact, sum: &mut [Lanes; 3]) {
+    fn add(&self, _: &R, _: &R, pair: &Contact<R::Scalar>, sum: &mut [Lanes<R::Scalar>; 3]) {
         let weight = pair.area_kernel;
         let (r, z) = (weight * pair.dr, weight * pair.dz);
         sum[0] = r.mul_add(pair.dr, sum[0]);
@@ -40,12 +40,17 @@ impl<R: FlowState> PairTerm<R, Contact> for MomentMatrix {
     }
 
     #[inline(always)]
-    fn finish(&self, _: &R, sum: [Lanes; 3], results: &mut [Lanes]) {
+    fn finish(&self, _: &R, sum: [Lanes<R::Scalar>; 3], results: &mut [Lanes<R::Scalar>]) {
         results.copy_from_slice(&sum);
     }
 
     fn operations(&self) -> u64 {
         8
+    }
+
+    /// Pure numbers.
+    fn powers(&self, powers: &mut Powers) {
+        powers.extend([0; 3]);
     }
 
     fn outputs(&self, columns: &mut Columns) {

@@ -29,17 +29,17 @@ impl<G: Geometry> PressureRiemann<G> {
     }
 }
 
-impl<R: FlowState, G: Geometry> PairTerm<R, Contact> for PressureRiemann<G> {
-    type Sum = [Lanes; 4];
+impl<R: FlowState, G: Geometry> PairTerm<R, Contact<R::Scalar>> for PressureRiemann<G> {
+    type Sum = [Lanes<R::Scalar>; 4];
     const OUTPUTS: usize = 4;
 
     #[inline(always)]
-    fn zero(&self) -> [Lanes; 4] {
+    fn zero(&self) -> [Lanes<R::Scalar>; 4] {
         [Lanes::ZERO; 4]
     }
 
     #[inline(always)]
-    fn add(&self, _: &R, _: &R, pair: &Contact, sum: &mut [Lanes; 4]) {
+    fn add(&self, _: &R, _: &R, pair: &Contact<R::Scalar>, sum: &mut [Lanes<R::Scalar>; 4]) {
         let weight = pair.weight_kernel;
         let (r, z) = (weight * pair.dr, weight * pair.dz);
         sum[0] = r.neg_mul_add(pair.pressure, sum[0]);
@@ -49,9 +49,9 @@ impl<R: FlowState, G: Geometry> PairTerm<R, Contact> for PressureRiemann<G> {
     }
 
     #[inline(always)]
-    fn finish(&self, a: &R, sum: [Lanes; 4], results: &mut [Lanes]) {
+    fn finish(&self, a: &R, sum: [Lanes<R::Scalar>; 4], results: &mut [Lanes<R::Scalar>]) {
         let flow = a.flow();
-        results[0] = flow.pressure.mul_add(self.geometry.hoop_force(flow), sum[0]);
+        results[0] = flow.pressure.mul_add(self.geometry.hoop_force(a), sum[0]);
         results[1..4].copy_from_slice(&sum[1..4]);
     }
 

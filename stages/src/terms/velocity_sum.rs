@@ -27,17 +27,17 @@ impl VelocitySum {
     }
 }
 
-impl<R: FlowState> PairTerm<R, Contact> for VelocitySum {
-    type Sum = [Lanes; 4];
+impl<R: FlowState> PairTerm<R, Contact<R::Scalar>> for VelocitySum {
+    type Sum = [Lanes<R::Scalar>; 4];
     const OUTPUTS: usize = 4;
 
     #[inline(always)]
-    fn zero(&self) -> [Lanes; 4] {
+    fn zero(&self) -> [Lanes<R::Scalar>; 4] {
         [Lanes::ZERO; 4]
     }
 
     #[inline(always)]
-    fn add(&self, a: &R, b: &R, pair: &Contact, sum: &mut [Lanes; 4]) {
+    fn add(&self, a: &R, b: &R, pair: &Contact<R::Scalar>, sum: &mut [Lanes<R::Scalar>; 4]) {
         let (a, b) = (a.flow(), b.flow());
         let weight = pair.area_kernel;
         let (r, z) = (weight * pair.dr, weight * pair.dz);
@@ -49,7 +49,7 @@ impl<R: FlowState> PairTerm<R, Contact> for VelocitySum {
     }
 
     #[inline(always)]
-    fn finish(&self, _: &R, sum: [Lanes; 4], results: &mut [Lanes]) {
+    fn finish(&self, _: &R, sum: [Lanes<R::Scalar>; 4], results: &mut [Lanes<R::Scalar>]) {
         results.copy_from_slice(&sum);
     }
 

@@ -5,7 +5,7 @@ use crate::fields;
 use crate::geometry::Geometry;
 use crate::record::DeformationState;
 use meniscus_engine::lanes::Lanes;
-use meniscus_engine::pairs::{Columns, PairTerm};
+use meniscus_engine::pairs::{Columns, PairTerm, Powers};
 use meniscus_engine::store::Write;
 use meniscus_engine::wiring::Wiring;
 
@@ -37,23 +37,27 @@ impl<G: Geometry> Viscosity<G> {
 
 /// tau/mu times a vector.
 #[inline(always)]
-fn traction<R: DeformationState>(record: &R, r: Lanes, z: Lanes) -> [Lanes; 2] {
+fn traction<R: DeformationState>(
+    record: &R,
+    r: Lanes<R::Scalar>,
+    z: Lanes<R::Scalar>,
+) -> [Lanes<R::Scalar>; 2] {
     let rate = record.deformation();
     let [rr, zz] = [rate.rr + rate.rr, rate.zz + rate.zz];
     [rr.mul_add(r, rate.shear * z), rate.shear.mul_add(r, zz * z)]
 }
 
-impl<R: DeformationState, G: Geometry> PairTerm<R, Contact> for Viscosity<G> {
-    type Sum = [Lanes; 3];
+impl<R: DeformationState, G: Geometry> PairTerm<R, Contact<R::Scalar>> for Viscosity<G> {
+    type Sum = [Lanes<R::Scalar>; 3];
     const OUTPUTS: usize = 3;
 
     #[inline(always)]
-    fn zero(&self) -> [Lanes; 3] {
+    fn zero(&self) -> [Lanes<R::Scalar>; 3] {
         [Lanes::ZERO; 3]
     }
 
     #[inline(always)]
-    fn add(&self, a: &R, b: &R, pair: &Contact, sum: &mut [Lanes; 3]) {
+    fn add(&self, a: &R, b: &R, pair: &Contact<R::Scalar>, sum: &mut [Lanes<R::Scalar>; 3]) {
         let (r, z) = (pair.weight_kernel * pair.dr, pair.weight_kernel * pair.dz);
         let ([a_r, a_z], [b_r, b_z]) = (traction(a, r, z), traction(b, r, z));
         sum[0] += a_r + b_r;
@@ -66,12 +70,12 @@ impl<R: DeformationState, G: Geometry> PairTerm<R, Contact> for Viscosity<G> {
     }
 
     #[inline(always)]
-    fn finish(&self, a: &R, sum: [Lanes; 3], results: &mut [Lanes]) {
+    fn finish(&self, a: &R, sum: [Lanes<R::Scalar>; 3], results: &mut [Lanes<R::Scalar>]) {
         let flow = a.flow();
-        let inverse_radius = self.geometry.inverse_radius(flow);
+        let inverse_radius = self.geometry.inverse_radius(a);
         let hoop = Lanes::splat(2.0) * flow.velocity_r * inverse_radius * inverse_radius;
         // The harmonic-mean weights hold this part of the divergence already.
-        let [open_r, open_z] = traction(a, inverse_radius - self.geometry.hoop_force(flow), Lanes::ZERO);
+        let [open_r, open_z] = traction(a, inverse_radius - self.geometry.hoop_force(a), Lanes::ZERO);
         let (mean, viscosity) = (Lanes::HALF, Lanes::splat(self.viscosity));
         results[0] = viscosity * (mean.mul_add(sum[0], open_r) - hoop);
         results[1] = viscosity * mean.mul_add(sum[1], open_z);
@@ -80,6 +84,11 @@ impl<R: DeformationState, G: Geometry> PairTerm<R, Contact> for Viscosity<G> {
 
     fn operations(&self) -> u64 {
         22 + if self.power.is_some() { 8 } else { 0 }
+    }
+
+    /// A second derivative.
+    fn powers(&self, powers: &mut Powers) {
+        powers.extend([-2; 3]);
     }
 
     fn outputs(&self, columns: &mut Columns) {

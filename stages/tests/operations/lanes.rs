@@ -1,17 +1,18 @@
 //! Lanes that hold nothing and count what is done with them.
 
 use std::cell::Cell;
+use std::marker::PhantomData;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
-pub use engine::lanes::{HalfRow, Row, WIDTH};
+pub use engine::lanes::{Scalar, WIDTH};
 
 thread_local! {
     static OPERATIONS: Cell<u64> = const { Cell::new(0) };
 }
 
-fn count(operations: u64) -> Lanes {
+fn count<T: Scalar>(operations: u64) -> Lanes<T> {
     OPERATIONS.set(OPERATIONS.get() + operations);
-    Lanes
+    Lanes(PhantomData)
 }
 
 /// The floating-point operations of some work on this thread.
@@ -21,32 +22,50 @@ pub fn counted<T>(work: impl FnOnce() -> T) -> (u64, T) {
     (OPERATIONS.get() - before, done)
 }
 
-/// Eight values that nobody asks for.
+/// Values that nobody asks for.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Lanes;
+pub struct Lanes<T: Scalar = f64>(PhantomData<T>);
 
-impl Lanes {
-    pub const ZERO: Lanes = Lanes;
-    pub const ONE: Lanes = Lanes;
-    pub const HALF: Lanes = Lanes;
+/// The slots of particles that are not there.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Slots<T: Scalar = f64> {
+    pub first: [Lanes<T>; WIDTH],
+    pub second: [Lanes<T>; WIDTH / 2],
+    pub coordinate: Lanes<T>,
+}
+
+/// Places that nobody asks for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Places<T: Scalar = f64>(PhantomData<T>);
+
+impl<T: Scalar> Places<T> {
+    pub fn of_slot(_: Lanes<T>) -> Self {
+        Places(PhantomData)
+    }
+
+    pub fn to(self, _: Self) -> Lanes<T> {
+        count(1)
+    }
+
+    pub fn coordinates(self, _: Self, _: Lanes<T>) -> Lanes<T> {
+        Lanes::ZERO
+    }
+}
+
+impl<T: Scalar> Lanes<T> {
+    pub const ZERO: Self = Lanes(PhantomData);
+    pub const ONE: Self = Lanes(PhantomData);
+    pub const HALF: Self = Lanes(PhantomData);
 
     pub fn splat(_: f64) -> Self {
-        Lanes
+        Self::ZERO
     }
 
-    pub fn to_array(self) -> [f64; WIDTH] {
-        [0.0; WIDTH]
-    }
-
-    pub fn transpose(_: [&Row; WIDTH]) -> [Lanes; WIDTH] {
-        [Lanes; WIDTH]
-    }
-
-    pub fn mul_add(self, _: Lanes, _: Lanes) -> Self {
+    pub fn mul_add(self, _: Self, _: Self) -> Self {
         count(2)
     }
 
-    pub fn neg_mul_add(self, _: Lanes, _: Lanes) -> Self {
+    pub fn neg_mul_add(self, _: Self, _: Self) -> Self {
         count(2)
     }
 
@@ -55,27 +74,27 @@ impl Lanes {
     }
 
     pub fn abs(self) -> Self {
-        Lanes
+        self
     }
 
-    pub fn max(self, _: Lanes) -> Self {
-        Lanes
+    pub fn max(self, _: Self) -> Self {
+        self
     }
 
-    pub fn min(self, _: Lanes) -> Self {
-        Lanes
+    pub fn min(self, _: Self) -> Self {
+        self
     }
 
-    pub fn select_greater(self, _: Lanes, _: Lanes, _: Lanes) -> Self {
-        Lanes
+    pub fn select_greater(self, _: Self, _: Self, _: Self) -> Self {
+        self
     }
 }
 
 macro_rules! operator {
     ($trait:ident, $method:ident) => {
-        impl $trait for Lanes {
-            type Output = Lanes;
-            fn $method(self, _: Lanes) -> Lanes {
+        impl<T: Scalar> $trait for Lanes<T> {
+            type Output = Self;
+            fn $method(self, _: Self) -> Self {
                 count(1)
             }
         }
@@ -86,21 +105,21 @@ operator!(Sub, sub);
 operator!(Mul, mul);
 operator!(Div, div);
 
-impl Neg for Lanes {
-    type Output = Lanes;
-    fn neg(self) -> Lanes {
-        Lanes
+impl<T: Scalar> Neg for Lanes<T> {
+    type Output = Self;
+    fn neg(self) -> Self {
+        self
     }
 }
 
-impl AddAssign for Lanes {
-    fn add_assign(&mut self, other: Lanes) {
+impl<T: Scalar> AddAssign for Lanes<T> {
+    fn add_assign(&mut self, other: Self) {
         *self = *self + other;
     }
 }
 
-impl SubAssign for Lanes {
-    fn sub_assign(&mut self, other: Lanes) {
+impl<T: Scalar> SubAssign for Lanes<T> {
+    fn sub_assign(&mut self, other: Self) {
         *self = *self - other;
     }
 }

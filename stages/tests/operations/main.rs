@@ -8,7 +8,7 @@ extern crate meniscus_engine as engine;
 // The source finds the lanes of this crate, and what else it asks of the engine.
 extern crate self as meniscus_engine;
 
-use engine::{field, neighbours, store, wiring};
+use engine::{field, store, wiring};
 
 #[path = "../../src/contact.rs"]
 mod contact;
@@ -26,7 +26,7 @@ mod terms;
 
 use contact::{Contact, ContactProblem, FirstOrder, Limited, Reconstruction, Shock};
 use geometry::{Geometry, HarmonicMean, NearAxisParshikov, Parshikov};
-use lanes::{Lanes, WIDTH, counted};
+use lanes::{Slots, counted};
 use pairs::{Interaction, PairTerm, Record};
 use record::{DeformationRecord, FlowRecord, FlowState, ShockRecord};
 use terms::{
@@ -37,14 +37,22 @@ use wiring::Wiring;
 const GEOMETRY: HarmonicMean = HarmonicMean { origin: 0.0 };
 
 fn record<R: Record>() -> R {
-    R::from_slots([Lanes; WIDTH], [Lanes; WIDTH / 2])
+    R::from_slots(Slots::default())
 }
 
-fn contact<R: FlowState, G: Geometry, F: Reconstruction<R>>(geometry: G, reconstruction: F) -> Contact {
+fn contact<R, G, F>(geometry: G, reconstruction: F) -> Contact<R::Scalar>
+where
+    R: FlowState,
+    G: Geometry,
+    F: Reconstruction<R>,
+{
     let problem = ContactProblem { geometry, reconstruction };
     let (a, b) = (record::<R>(), record::<R>());
     let own = Interaction::<R>::prepare(&problem, &a);
-    let (operations, contact) = counted(|| problem.evaluate(&a, &own, &b));
+    let (operations, contact) = counted(|| {
+        let approach = problem.approach(&a, &b);
+        problem.evaluate(&a, &own, &b, &approach)
+    });
     let declared = Interaction::<R>::operations(&problem);
     assert_eq!(declared, operations, "{}", std::any::type_name::<ContactProblem<G, F>>());
     contact

@@ -48,6 +48,9 @@ pub struct Summary {
     /// Processor nanoseconds of all threads per particle and step.
     #[serde(deserialize_with = "number")]
     pub core_ns_per_particle_step: f64,
+    /// Whether pairs were summed in single precision.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub mixed_precision: bool,
     /// How many steps each bound of the time step has set.
     #[serde(default)]
     pub step_bounds: Vec<(String, u64)>,
@@ -172,6 +175,7 @@ pub(in crate::output) mod tests {
             threads: 8,
             ns_per_particle_step: 46.3,
             core_ns_per_particle_step: 370.4,
+            mixed_precision: true,
             step_bounds: vec![("acoustic".to_owned(), 1000)],
             stages: vec![
                 stage("integrate", 2.0),

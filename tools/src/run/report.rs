@@ -1,7 +1,7 @@
 //! What stands at the end of a run: its summary, its plots, and the table for people.
 
 use meniscus_cases::measure::{Outcome, conservation, evaluate};
-use meniscus_cases::scene::Scene;
+use meniscus_cases::scene::{Precision, Scene};
 use meniscus_cases::simulation::Simulation;
 
 use super::Costs;
@@ -55,6 +55,7 @@ pub(super) fn report(
         threads: rayon::current_num_threads(),
         ns_per_particle_step: costs.steps.wall * 1e9 / particle_steps,
         core_ns_per_particle_step: costs.steps.cpu * 1e9 / particle_steps,
+        mixed_precision: scene.method.precision == Precision::Mixed,
         step_bounds: clock.bounds_met().iter().map(|(reason, steps)| (reason.to_string(), *steps)).collect(),
         profile: profile.transpose()?,
         stages,

@@ -108,6 +108,7 @@ pub(crate) mod tests {
             threads: 2,
             ns_per_particle_step: 500.0,
             core_ns_per_particle_step: 1000.0,
+            mixed_precision: false,
             step_bounds: Vec::new(),
             stages: Vec::new(),
             profile: None,

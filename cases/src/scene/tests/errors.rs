@@ -1,4 +1,4 @@
-use super::{changed, mistake_at, shaped};
+use super::{EXAMPLE, changed, mistake, mistake_at, shaped};
 use crate::scene::read;
 use std::path::Path;
 
@@ -135,4 +135,12 @@ fn values_stay_in_their_limits() {
     mistake_at(&changed("mode = 2", "mode = 1"), 11, "1", &["`mode` is 1", "whole number from 2"]);
     mistake_at(&changed("mode = 2", "s = 1"), 11, "s", &["`s` is a unit"]);
     mistake_at(&changed("mode = 2", "drop-mode = 1"), 11, "drop-mode", &["cannot name a parameter"]);
+}
+
+#[test]
+fn mixed_precision_knows_the_default_weights_alone() {
+    for other in ["method.axis=parshikov", "method.scheme=parshikov"] {
+        let settings = ["method.precision=mixed", other];
+        mistake(EXAMPLE, &settings, &["mixed precision", "method.axis = \"conservative\""]);
+    }
 }

@@ -61,7 +61,7 @@ fn assert_same(a: &Checkpoint, b: &Checkpoint) {
 /// Lists are renewed and curvatures skipped at various steps: each cut lies elsewhere between them.
 #[test]
 fn an_interruption_leaves_no_trace() {
-    for set in [&[][..], &["paper=true"], &["method.shifting=0.5"]] {
+    for set in [&[][..], &["paper=true"], &["method.shifting=0.5"], &["method.precision=mixed"]] {
         let scene = scene(set);
         let whole = with_threads(1, || run(start(&scene), 250).checkpoint(&scene));
         for cut in [0, 1, 97, 143] {

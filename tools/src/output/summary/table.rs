@@ -27,12 +27,13 @@ pub fn print_table(summary: &Summary, out: &mut impl Write) -> io::Result<()> {
     }
     writeln!(
         out,
-        "{} simulated, {} steps, {} particles, {} thread{}",
+        "{} simulated, {} steps, {} particles, {} thread{}{}",
         quantity(summary.time, "s", 4),
         grouped(summary.steps),
         grouped(summary.particles),
         summary.threads,
         if summary.threads == 1 { "" } else { "s" },
+        if summary.mixed_precision { ", mixed precision" } else { "" },
     )?;
     if !summary.measures.is_empty() {
         writeln!(out, "{}", measures_table(&summary.measures))?;

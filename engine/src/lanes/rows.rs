@@ -1,0 +1,344 @@
+//! Packed rows: what a pair pass loads of each particle, and how eight of them become lanes.
+
+use super::{Lanes, Scalar, WIDTH};
+use wide::bytemuck::cast;
+use wide::{f32x4, f32x8};
+
+/// Slots of a row of single precision.
+pub const SLOTS: usize = 2 * WIDTH;
+
+/// The slot of the first coordinate as a number in single precision.
+pub const COORDINATE: usize = WIDTH + WIDTH / 2;
+
+/// The packed rows of all particles, then of their images, then some to fill the last block.
+#[derive(Clone, Debug, Default)]
+pub struct RowTable {
+    /// One row a particle.
+    pub first: Vec<Row>,
+    /// Half a row more where the record needs it, else empty.
+    pub second: Vec<HalfRow>,
+    /// All that a particle has in single precision; the others are empty then.
+    pub single: Vec<SingleRow>,
+}
+
+impl RowTable {
+    /// Makes room for `particles` and `images`; new rows are zero.
+    pub fn resize(&mut self, particles: usize, images: usize, with_second: bool) {
+        let count = particles + images + WIDTH;
+        self.first.resize(count, Row::default());
+        self.second.resize(if with_second { count } else { 0 }, HalfRow::default());
+    }
+
+    /// Makes room for `particles` and `images` in single precision.
+    pub fn resize_single(&mut self, particles: usize, images: usize) {
+        self.single.resize(particles + images + 2 * WIDTH, SingleRow::default());
+    }
+}
+
+/// What a record names: the slots of as many particles as there are lanes.
+#[derive(Clone, Copy, Debug)]
+pub struct Slots<T: Scalar = f64> {
+    /// Those of the first row.
+    pub first: [Lanes<T>; WIDTH],
+    /// Those of the second row, zero where there is none.
+    pub second: [Lanes<T>; WIDTH / 2],
+    /// The first coordinate as a number, whatever a place is.
+    pub coordinate: Lanes<T>,
+}
+
+/// A scalar of which rows are packed.
+pub trait Packed: Scalar {
+    /// Blocks of eight particles that lie side by side in lanes.
+    const BLOCKS: usize;
+
+    /// Entry `k` of the lists of one block or two; a list's own particles stand in for what it lacks.
+    fn entry<'a>(
+        lists: &[&'a [[u32; WIDTH]]; 2],
+        k: usize,
+        own: &'a [[u32; WIDTH]; 2],
+    ) -> [&'a [u32; WIDTH]; 2];
+
+    /// Loads rows and turns them into slots.
+    fn load(rows: &RowTable, particles: [&[u32; WIDTH]; 2], with_second: bool) -> Slots<Self>;
+
+    /// Writes as many results as there are lanes in SI units: `scale` times those of single precision, whose
+    /// lengths have a unit of their own.
+    ///
+    /// # Panics
+    /// If `values` takes fewer.
+    fn store(lanes: Lanes<Self>, scale: f64, values: &mut [f64]);
+
+    /// The same for as many as `values` takes.
+    fn store_part(lanes: Lanes<Self>, scale: f64, values: &mut [f64]);
+
+    /// Bytes of a particle's rows.
+    fn bytes(with_second: bool) -> usize;
+}
+
+impl Packed for f64 {
+    const BLOCKS: usize = 1;
+
+    #[inline(always)]
+    fn entry<'a>(
+        lists: &[&'a [[u32; WIDTH]]; 2],
+        k: usize,
+        own: &'a [[u32; WIDTH]; 2],
+    ) -> [&'a [u32; WIDTH]; 2] {
+        [&lists[0][k], &own[1]]
+    }
+
+    #[inline(always)]
+    fn load(rows: &RowTable, [particles, _]: [&[u32; WIDTH]; 2], with_second: bool) -> Slots<f64> {
+        let row = |lane: usize| &rows.first[particles[lane] as usize];
+        let first = Lanes::transpose(std::array::from_fn(row));
+        let second = if with_second {
+            Lanes::transpose_half(std::array::from_fn(|lane| &rows.second[particles[lane] as usize]))
+        } else {
+            [Lanes::ZERO; WIDTH / 2]
+        };
+        Slots { first, second, coordinate: first[0] }
+    }
+
+    #[inline(always)]
+    fn store(lanes: Lanes, _: f64, values: &mut [f64]) {
+        values[..WIDTH].copy_from_slice(&lanes.to_array());
+    }
+
+    #[cold]
+    fn store_part(lanes: Lanes, _: f64, values: &mut [f64]) {
+        values.copy_from_slice(&lanes.to_array()[..values.len()]);
+    }
+
+    fn bytes(with_second: bool) -> usize {
+        size_of::<Row>() + if with_second { size_of::<HalfRow>() } else { 0 }
+    }
+}
+
+impl Packed for f32 {
+    const BLOCKS: usize = 2;
+
+    #[inline(always)]
+    fn entry<'a>(
+        lists: &[&'a [[u32; WIDTH]]; 2],
+        k: usize,
+        own: &'a [[u32; WIDTH]; 2],
+    ) -> [&'a [u32; WIDTH]; 2] {
+        [lists[0].get(k).unwrap_or(&own[0]), lists[1].get(k).unwrap_or(&own[1])]
+    }
+
+    #[inline(always)]
+    fn load(rows: &RowTable, particles: [&[u32; WIDTH]; 2], _: bool) -> Slots<f32> {
+        let row = |block: usize, lane: usize| &rows.single[particles[block][lane] as usize];
+        let low: [&SingleRow; WIDTH] = std::array::from_fn(|lane| row(0, lane));
+        let high: [&SingleRow; WIDTH] = std::array::from_fn(|lane| row(1, lane));
+        let quarter = |quarter: usize| -> [Lanes<f32>; WIDTH / 2] {
+            let (low, high) = (transpose_quarter(low, quarter), transpose_quarter(high, quarter));
+            std::array::from_fn(|k| Lanes(cast([low[k], high[k]])))
+        };
+        let [r, z, reach, area] = quarter(0);
+        let [velocity_r, velocity_z, pressure, impedance] = quarter(1);
+        let [coordinate, ..] = quarter(3);
+        let first = [r, z, reach, area, velocity_r, velocity_z, pressure, impedance];
+        Slots { first, second: quarter(2), coordinate }
+    }
+
+    #[inline(always)]
+    fn store(lanes: Lanes<f32>, scale: f64, values: &mut [f64]) {
+        let all = lanes.to_array().map(|value| f64::from(value) * scale);
+        values[..2 * WIDTH].copy_from_slice(&all);
+    }
+
+    #[cold]
+    fn store_part(lanes: Lanes<f32>, scale: f64, values: &mut [f64]) {
+        for (value, lane) in values.iter_mut().zip(lanes.to_array()) {
+            *value = f64::from(lane) * scale;
+        }
+    }
+
+    fn bytes(_: bool) -> usize {
+        size_of::<SingleRow>()
+    }
+}
+
+/// Eight slots of one particle, one cache line: what a pair pass loads of a neighbour.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C, align(64))]
+pub struct Row(pub [f64; WIDTH]);
+
+/// Four more slots of one particle, half a cache line.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C, align(32))]
+pub struct HalfRow(pub [f64; WIDTH / 2]);
+
+/// The sixteen slots of one particle in single precision, one cache line.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C, align(64))]
+pub struct SingleRow(pub [f32; SLOTS]);
+
+impl Default for Row {
+    fn default() -> Self {
+        Row([0.0; WIDTH])
+    }
+}
+
+impl Lanes {
+    /// Loads one row per lane and turns rows into slots: result\[s\] holds slot s of all eight rows.
+    #[inline(always)]
+    pub fn transpose(rows: [&Row; WIDTH]) -> [Lanes; WIDTH] {
+        transpose(rows)
+    }
+
+    /// The same for half rows.
+    #[inline(always)]
+    pub fn transpose_half(rows: [&HalfRow; WIDTH]) -> [Lanes; WIDTH / 2] {
+        transpose_half(rows)
+    }
+}
+
+impl SingleRow {
+    /// Sets the first eight slots of eight rows or fewer: slots\[s\] holds slot s of all of them.
+    #[inline(always)]
+    pub fn set_first(rows: &mut [SingleRow], slots: [[f32; WIDTH]; WIDTH]) {
+        let first = f32x8::transpose(slots.map(f32x8::new));
+        for (SingleRow(slots), first) in rows.iter_mut().zip(first) {
+            slots[..WIDTH].copy_from_slice(&first.to_array());
+        }
+    }
+}
+
+/// Four slots of eight rows, from slot 4 * `quarter` on.
+#[inline(always)]
+fn transpose_quarter(rows: [&SingleRow; WIDTH], quarter: usize) -> [f32x8; WIDTH / 2] {
+    let part = |row: usize| f32x4::new(rows[row].0.as_chunks().0[quarter]);
+    // Rows k and k + 4 side by side: the transpose's last step, which exchanges halves, then falls away.
+    let both = |k: usize| cast::<[f32x4; 2], f32x8>([part(k), part(k + 4)]);
+    let zero = f32x8::ZERO;
+    let slots = f32x8::transpose([both(0), both(1), both(2), both(3), zero, zero, zero, zero]);
+    let low = |lanes: f32x8| cast::<f32x8, [f32x4; 2]>(lanes)[0];
+    std::array::from_fn(|k| cast([low(slots[k]), low(slots[k + 4])]))
+}
+
+#[cfg(target_feature = "avx512f")]
+#[inline(always)]
+fn transpose(rows: [&Row; WIDTH]) -> [Lanes; WIDTH] {
+    use std::arch::x86_64::*;
+    // SAFETY: every row is 64 bytes, 64-byte aligned (repr(align(64))) and borrowed for the loads;
+    // __m512d and f64x8 are both 64-byte vectors of eight f64; avx512f is enabled at build time.
+    unsafe {
+        let load = |k: usize| _mm512_load_pd(rows[k].0.as_ptr());
+        let (r0, r1, r2, r3) = (load(0), load(1), load(2), load(3));
+        let (r4, r5, r6, r7) = (load(4), load(5), load(6), load(7));
+        let (a0, a1) = (_mm512_unpacklo_pd(r0, r1), _mm512_unpackhi_pd(r0, r1));
+        let (a2, a3) = (_mm512_unpacklo_pd(r2, r3), _mm512_unpackhi_pd(r2, r3));
+        let (a4, a5) = (_mm512_unpacklo_pd(r4, r5), _mm512_unpackhi_pd(r4, r5));
+        let (a6, a7) = (_mm512_unpacklo_pd(r6, r7), _mm512_unpackhi_pd(r6, r7));
+        const EVEN: i32 = 0x88;
+        const ODD: i32 = 0xdd;
+        let b0 = _mm512_shuffle_f64x2::<EVEN>(a0, a2);
+        let b1 = _mm512_shuffle_f64x2::<EVEN>(a1, a3);
+        let b2 = _mm512_shuffle_f64x2::<ODD>(a0, a2);
+        let b3 = _mm512_shuffle_f64x2::<ODD>(a1, a3);
+        let b4 = _mm512_shuffle_f64x2::<EVEN>(a4, a6);
+        let b5 = _mm512_shuffle_f64x2::<EVEN>(a5, a7);
+        let b6 = _mm512_shuffle_f64x2::<ODD>(a4, a6);
+        let b7 = _mm512_shuffle_f64x2::<ODD>(a5, a7);
+        let columns: [__m512d; WIDTH] = [
+            _mm512_shuffle_f64x2::<EVEN>(b0, b4),
+            _mm512_shuffle_f64x2::<EVEN>(b1, b5),
+            _mm512_shuffle_f64x2::<EVEN>(b2, b6),
+            _mm512_shuffle_f64x2::<EVEN>(b3, b7),
+            _mm512_shuffle_f64x2::<ODD>(b0, b4),
+            _mm512_shuffle_f64x2::<ODD>(b1, b5),
+            _mm512_shuffle_f64x2::<ODD>(b2, b6),
+            _mm512_shuffle_f64x2::<ODD>(b3, b7),
+        ];
+        std::mem::transmute::<[__m512d; WIDTH], [Lanes; WIDTH]>(columns)
+    }
+}
+
+#[cfg(target_feature = "avx512f")]
+#[inline(always)]
+fn transpose_half(rows: [&HalfRow; WIDTH]) -> [Lanes; WIDTH / 2] {
+    use std::arch::x86_64::*;
+    // SAFETY: every half row is 32 bytes, 32-byte aligned and borrowed for the loads; __m512d and
+    // f64x8 are both 64-byte vectors of eight f64; avx512f is enabled at build time.
+    unsafe {
+        let load = |k: usize| _mm256_load_pd(rows[k].0.as_ptr());
+        let both = |i: usize, j: usize| _mm512_insertf64x4::<1>(_mm512_castpd256_pd512(load(i)), load(j));
+        let (p0, p1, p2, p3) = (both(0, 2), both(1, 3), both(4, 6), both(5, 7));
+        let (a0, a1) = (_mm512_unpacklo_pd(p0, p1), _mm512_unpackhi_pd(p0, p1));
+        let (a2, a3) = (_mm512_unpacklo_pd(p2, p3), _mm512_unpackhi_pd(p2, p3));
+        const EVEN: i32 = 0x88;
+        const ODD: i32 = 0xdd;
+        let columns: [__m512d; WIDTH / 2] = [
+            _mm512_shuffle_f64x2::<EVEN>(a0, a2),
+            _mm512_shuffle_f64x2::<EVEN>(a1, a3),
+            _mm512_shuffle_f64x2::<ODD>(a0, a2),
+            _mm512_shuffle_f64x2::<ODD>(a1, a3),
+        ];
+        std::mem::transmute::<[__m512d; WIDTH / 2], [Lanes; WIDTH / 2]>(columns)
+    }
+}
+
+#[cfg(not(target_feature = "avx512f"))]
+#[inline(always)]
+fn transpose_half(rows: [&HalfRow; WIDTH]) -> [Lanes; WIDTH / 2] {
+    std::array::from_fn(|slot| Lanes(wide::f64x8::new(std::array::from_fn(|lane| rows[lane].0[slot]))))
+}
+
+#[cfg(not(target_feature = "avx512f"))]
+#[inline(always)]
+fn transpose(rows: [&Row; WIDTH]) -> [Lanes; WIDTH] {
+    std::array::from_fn(|slot| Lanes(wide::f64x8::new(std::array::from_fn(|lane| rows[lane].0[slot]))))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use wide::f32x16;
+
+    #[test]
+    fn rows_of_single_precision_become_slots() {
+        let row = |row: usize| SingleRow(std::array::from_fn(|slot| (100 * row + slot) as f32));
+        let rows = RowTable { single: (0..20).map(row).collect(), ..RowTable::default() };
+        let particles: [[u32; WIDTH]; 2] = [[3, 1, 4, 19, 5, 9, 2, 6], [0, 0, 7, 8, 10, 11, 12, 18]];
+        let slots = f32::load(&rows, particles.each_ref(), true);
+        let found = slots.first.iter().chain(&slots.second).chain([&slots.coordinate]);
+        for (slot, lanes) in found.enumerate() {
+            let expected = particles.as_flattened().iter().map(|row| 100.0 * *row as f32 + slot as f32);
+            assert!(lanes.to_array().into_iter().eq(expected), "slot {slot}");
+        }
+    }
+
+    #[test]
+    fn results_are_stored_in_double_precision() {
+        let lanes = Lanes::<f32>(f32x16::new(std::array::from_fn(|lane| lane as f32)));
+        let mut values = [0.0; SLOTS];
+        f32::store(lanes, 0.5, &mut values);
+        assert_eq!(values[15], 7.5);
+        f32::store_part(lanes, 2.0, &mut values[..3]);
+        assert_eq!(values[..4], [0.0, 2.0, 4.0, 1.5]);
+    }
+
+    #[test]
+    fn transpose_turns_rows_into_slots() {
+        let rows: [Row; WIDTH] =
+            std::array::from_fn(|row| Row(std::array::from_fn(|slot| (10 * row + slot) as f64)));
+        let slots = Lanes::transpose(std::array::from_fn(|k| &rows[k]));
+        for (slot, lanes) in slots.iter().enumerate() {
+            let expected: [f64; WIDTH] = std::array::from_fn(|row| (10 * row + slot) as f64);
+            assert_eq!(lanes.to_array(), expected);
+        }
+    }
+
+    #[test]
+    fn transpose_of_half_rows() {
+        let rows: [HalfRow; WIDTH] =
+            std::array::from_fn(|row| HalfRow(std::array::from_fn(|slot| (10 * row + slot) as f64)));
+        let slots = Lanes::transpose_half(std::array::from_fn(|k| &rows[k]));
+        for (slot, lanes) in slots.iter().enumerate() {
+            let expected: [f64; WIDTH] = std::array::from_fn(|row| (10 * row + slot) as f64);
+            assert_eq!(lanes.to_array(), expected);
+        }
+    }
+}

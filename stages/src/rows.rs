@@ -1,0 +1,135 @@
+//! How states become the packed rows of the flux pass, and rows those of images.
+
+use crate::record::{Deformation, Flow};
+use meniscus_engine::lanes::{COORDINATE, HalfRow, Lanes, Row, RowTable, SingleRow, WIDTH, place};
+use meniscus_engine::neighbours::{Domain, Image};
+
+/// A row that takes up flow states.
+pub trait FirstPart: Send + Sized {
+    /// All rows of that kind.
+    fn table(rows: &mut RowTable) -> &mut [Self];
+
+    /// Turns the states of eight particles into as many rows as are asked for, with `unit` metres as the unit
+    /// of length in single precision.
+    fn pack(flow: &Flow<[f64; WIDTH]>, rows: &mut [Self], unit: f64);
+}
+
+/// A row that takes up what follows the flow state.
+pub trait SecondPart: Send + Sized {
+    /// All rows of that kind.
+    fn table(rows: &mut RowTable) -> &mut [Self];
+
+    /// Takes up rate of deformation and kernel scale, with `unit` metres as the unit of length in single
+    /// precision.
+    fn set_deformation(&mut self, deformation: &Deformation<f64>, unit: f64);
+
+    /// Takes up density in kg/m3 and kernel scale.
+    fn set_density(&mut self, density: f64, kernel_scale: f64);
+}
+
+impl FirstPart for Row {
+    fn table(rows: &mut RowTable) -> &mut [Row] {
+        &mut rows.first
+    }
+
+    #[inline(always)]
+    fn pack(flow: &Flow<[f64; WIDTH]>, rows: &mut [Row], _: f64) {
+        let Flow { r, z, reach, area, velocity_r, velocity_z, pressure, impedance } = *flow;
+        let slots = [r, z, reach, area, velocity_r, velocity_z, pressure, impedance].map(Row);
+        let eight = Lanes::transpose(std::array::from_fn(|slot| &slots[slot]));
+        for (row, lanes) in rows.iter_mut().zip(eight) {
+            *row = Row(lanes.to_array());
+        }
+    }
+}
+
+impl FirstPart for SingleRow {
+    fn table(rows: &mut RowTable) -> &mut [SingleRow] {
+        &mut rows.single
+    }
+
+    #[inline(always)]
+    fn pack(flow: &Flow<[f64; WIDTH]>, rows: &mut [SingleRow], unit: f64) {
+        let inverse = 1.0 / unit;
+        let single = |values: &[f64; WIDTH], factor: f64| values.map(|value| (value * factor) as f32);
+        let slots = [
+            flow.r.map(|r| place(r * inverse)),
+            flow.z.map(|z| place(z * inverse)),
+            single(&flow.reach, inverse),
+            single(&flow.area, inverse * inverse),
+            single(&flow.velocity_r, 1.0),
+            single(&flow.velocity_z, 1.0),
+            single(&flow.pressure, 1.0),
+            single(&flow.impedance, 1.0),
+        ];
+        SingleRow::set_first(rows, slots);
+        for (SingleRow(slots), r) in rows.iter_mut().zip(single(&flow.r, inverse)) {
+            slots[COORDINATE] = r;
+        }
+    }
+}
+
+impl SecondPart for HalfRow {
+    fn table(rows: &mut RowTable) -> &mut [HalfRow] {
+        &mut rows.second
+    }
+
+    #[inline(always)]
+    fn set_deformation(&mut self, deformation: &Deformation<f64>, _: f64) {
+        let Deformation { rr, shear, zz, kernel_scale } = *deformation;
+        *self = HalfRow([rr, shear, zz, kernel_scale]);
+    }
+
+    #[inline(always)]
+    fn set_density(&mut self, density: f64, kernel_scale: f64) {
+        *self = HalfRow([density, 0.0, 0.0, kernel_scale]);
+    }
+}
+
+impl SecondPart for SingleRow {
+    fn table(rows: &mut RowTable) -> &mut [SingleRow] {
+        &mut rows.single
+    }
+
+    #[inline(always)]
+    fn set_deformation(&mut self, deformation: &Deformation<f64>, unit: f64) {
+        let Deformation { rr, shear, zz, kernel_scale } = *deformation;
+        let second = [rr * unit, shear * unit, zz * unit, kernel_scale];
+        self.0[WIDTH..COORDINATE].copy_from_slice(&second.map(|value| value as f32));
+    }
+
+    #[inline(always)]
+    fn set_density(&mut self, density: f64, kernel_scale: f64) {
+        self.0[WIDTH..COORDINATE].copy_from_slice(&[density as f32, 0.0, 0.0, kernel_scale as f32]);
+    }
+}
+
+/// The first row of an image from that of its particle (method.md, section 4).
+pub fn image_of_first(image: &Image, domain: &Domain, Row(slots): &Row) -> Row {
+    let [r, z, reach, area, velocity_r, velocity_z, pressure, impedance] = *slots;
+    let (r, z) = domain.place(image, r, z);
+    let velocity_r = if image.mirrored { -velocity_r } else { velocity_r };
+    Row([r, z, reach, area, velocity_r, velocity_z, pressure, impedance])
+}
+
+/// The second row of an image from that of its particle: a mirror changes the sign of the shear, whose slot
+/// a row without one leaves zero.
+pub fn image_of_second(image: &Image, HalfRow([rr, shear, zz, kernel_scale]): &HalfRow) -> HalfRow {
+    HalfRow([*rr, if image.mirrored { -shear } else { *shear }, *zz, *kernel_scale])
+}
+
+/// The row of an image in single precision, with `unit` metres as the unit of length.
+pub fn image_of_single(image: &Image, domain: &Domain, unit: f64, SingleRow(slots): &SingleRow) -> SingleRow {
+    let mut slots = *slots;
+    let moved = |steps: u32, by: f64| f32::from_bits(steps.wrapping_add(place(by / unit).to_bits()));
+    slots[1] = moved(slots[1].to_bits(), image.shift);
+    if image.mirrored {
+        let mirror = domain.mirror(0.0);
+        slots[0] = moved(slots[0].to_bits().wrapping_neg(), mirror);
+        slots[COORDINATE] = (mirror / unit) as f32 - slots[COORDINATE];
+        // The radial velocity and the shear.
+        slots[4] = -slots[4];
+        slots[9] = -slots[9];
+    }
+    SingleRow(slots)
+}
