@@ -69,8 +69,8 @@ fn water_drops_survive_fast_impacts() {
             survive("drop-collision-impact/hard.toml", &[&speeds[0], &speeds[1], size]);
         }
     }
-    for theta in ["method.theta=0.75", "method.theta=1"] {
-        survive("drop-collision-impact/hard.toml", &[theta]);
+    for setting in ["method.theta=0.75", "method.theta=1", "method.cfl=0.8"] {
+        survive("drop-collision-impact/hard.toml", &[setting]);
     }
 }
 

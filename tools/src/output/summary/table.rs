@@ -75,9 +75,13 @@ fn measures_table(measures: &[Measure]) -> Table {
     let mut table = table(["measure", "measured", "exact", "error"]);
     for measure in measures {
         let reference = measure.reference.map(|value| quantity(value, &measure.unit, 4));
+        let measured = match measure.value.is_nan() {
+            true => "not reached".to_owned(),
+            false => quantity(measure.value, &measure.unit, 4),
+        };
         table.add_row([
             measure.name.clone(),
-            quantity(measure.value, &measure.unit, 4),
+            measured,
             reference.unwrap_or_default(),
             measure.relative_error.map(relative).unwrap_or_default(),
         ]);
@@ -179,10 +183,14 @@ mod tests {
     fn the_table_says_it_all_within_a_hundred_columns() {
         let mut summary = example();
         summary.scene = "a film of a rather long name ".repeat(2);
+        let never = Measure { value: f64::NAN, ..summary.measures[0].clone() };
+        summary.measures.push(never);
         let mut out = Vec::new();
         print_table(&summary, &mut out).unwrap();
         let text = String::from_utf8(out).unwrap();
-        for part in ["31.42 µs", "31.25 µs", "0.544 %", "46.3 ns", "70.0 %", "3.0e-17", "-0.120 %"] {
+        for part in
+            ["31.42 µs", "31.25 µs", "0.544 %", "46.3 ns", "70.0 %", "3.0e-17", "-0.120 %", "not reached"]
+        {
             assert!(text.contains(part), "{part} is not in\n{text}");
         }
         assert!(text.lines().all(|line| line.chars().count() <= 100), "{text}");
