@@ -146,8 +146,8 @@ fn a_resumed_run_ends_as_an_uninterrupted_one() {
 #[test]
 fn a_blow_up_is_told_with_its_last_state() {
     let place = Place::new();
-    // A speed of two hundred times the sound speed.
-    let set = ["--set", "liquid.sound_speed=1 m/s", "--set", "body.0.velocity.z=200 m/s * z/radius"];
+    // It closes on the axis with two thousand times its sound speed.
+    let set = ["--set", "liquid.sound_speed=1 m/s", "--set", "body.0.velocity.r=-2 km/s * r/radius"];
     let arguments = [&["run", "drop.toml", "--out", "broken"][..], &set].concat();
     let output = place.meniscus(&arguments);
     let said = said(&output);
