@@ -152,8 +152,9 @@ mod tests {
     #[test]
     fn far_from_the_axis_nothing_is_mirrored() {
         let variants = scenes(&["resolution=24"]);
-        let [ring, rod] = [7, 8].map(|k| {
-            let mut simulation = start(&variants[k].1);
+        let [.., (_, ring), (_, rod)] = variants.as_slice() else { panic!("two scenes") };
+        let [ring, rod] = [ring, rod].map(|scene| {
+            let mut simulation = start(scene);
             advance(&mut simulation, 2);
             simulation
         });
