@@ -14,8 +14,8 @@ const RELAXATION: f64 = 0.1;
 
 /// G: s_a *= 1 + 0.1 (1/lambda_a - 1) with lambda_a = tr(L_a)/2 (method.md, section 10, "The surface error,
 /// later"). Whoever has few neighbours takes the mean of the interior. So do those near the surface that ask for
-/// more than that: they lack some neighbours, and a trace filled up there makes the layer below push 1 to 4 %
-/// too hard. Those that ask for less are crowded: with the mean they would push too hard.
+/// more than that: they lack some neighbours, and a trace filled up there makes the layer below push too hard.
+/// Those that ask for less are crowded: with the mean they would push too hard.
 pub struct KernelCorrection {
     moment: [Read<f64>; 3],
     surface: Option<Read<u32>>,

@@ -6,8 +6,8 @@ use meniscus_engine::pipeline::{Fault, Stage, World};
 use meniscus_engine::store::{Add, Read};
 use meniscus_engine::wiring::Wiring;
 
-/// The fastest rate at which viscosity evens out velocities between neighbours, over mu/(rho D^2): power
-/// iteration found 7.1 for a disordered drop.
+/// The fastest rate at which viscosity evens out velocities between neighbours, over mu/(rho D^2): somewhat more
+/// than the largest eigenvalue of the force in a disordered drop.
 const FASTEST: f64 = 8.0;
 
 /// Largest dt times that rate. The rate of deformation is predicted from the step before: stable up to 0.9.

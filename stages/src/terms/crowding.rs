@@ -10,8 +10,8 @@ use meniscus_engine::wiring::Wiring;
 
 /// sum_b [1 + 0.2 (W_ab/W(D))^4] V_b g_ab e_ab: the gradient of the particle concentration with the
 /// term of Monaghan that keeps particles from pairing (method.md, section 12, after Sun et al. 2017). Without
-/// that term, which costs 3 ns a particle, 1 of 12 fast collisions (`cases/drop-collision-capillary/hard.toml`)
-/// breaks down and another needs fifty times as many steps; with it all end well.
+/// that term, which costs 3 ns a particle, some fast collisions (`cases/drop-collision-capillary/hard.toml`)
+/// break down or creep on with tiny steps.
 pub struct Crowding {
     /// 1/W(D) of the kernel's shape.
     inverse_regular: f64,
