@@ -26,7 +26,7 @@ pub struct ColourCurvature {
     pub support: f64,
     /// Steps between two computations; in between the Laplace pressure is extrapolated.
     pub interval: u64,
-    /// Whether the gradient of the Laplace pressure along the surface is wanted.
+    /// Whether the gradient of the Laplace pressure along the surface is wanted, and the surface's tangent.
     pub with_slope: bool,
 }
 
@@ -48,6 +48,7 @@ pub struct CurvatureColour {
     rate: Write<f64>,
     offset: [Update<f64>; 2],
     slope: Option<[Write<f64>; 2]>,
+    tangent: Option<[Write<f64>; 2]>,
     step_bound: f64,
     boundary: Vec<u32>,
     near_boundary: Vec<u32>,
@@ -57,7 +58,7 @@ pub struct CurvatureColour {
 }
 
 impl CurvatureColour {
-    /// Writes the Laplace pressure, its rate and, if wanted, its slope along the surface.
+    /// Writes the Laplace pressure, its rate and, if wanted, its slope along the surface and the tangent.
     pub fn new(
         wiring: &mut Wiring,
         packing: Packing,
@@ -66,6 +67,7 @@ impl CurvatureColour {
     ) -> Self {
         wiring.stage("curvature");
         let slope = [&fields::LAPLACE_SLOPE_R, &fields::LAPLACE_SLOPE_Z];
+        let tangent = [&fields::SURFACE_TANGENT_R, &fields::SURFACE_TANGENT_Z];
         let offset = [&fields::SURFACE_OFFSET_R, &fields::SURFACE_OFFSET_Z];
         let (density, size) = (settings.density, 0.5 * packing.largest_size);
         CurvatureColour {
@@ -81,6 +83,7 @@ impl CurvatureColour {
             offset: offset.map(|field| wiring.update(field)),
             step_bound: capillary_bound(settings.surface_tension, density, 0.25 * settings.support * size),
             slope: settings.with_slope.then(|| slope.map(|field| wiring.write(field))),
+            tangent: settings.with_slope.then(|| tangent.map(|field| wiring.write(field))),
             boundary: Vec::new(),
             near_boundary: Vec::new(),
             found: Vec::new(),
@@ -141,19 +144,19 @@ impl CurvatureColour {
         let mut columns = Columns {
             pressure: world.store.write(self.pressure),
             slope: self.slope.map(|slope| slope.map(|field| world.store.write(field))),
+            tangent: self.tangent.map(|tangent| tangent.map(|field| world.store.write(field))),
             offset: self.offset.map(|field| world.store.write(field)),
         };
         let before: &[f64] = world.arena.alloc_slice_copy(&columns.pressure);
         columns.clear();
         for (k, &i) in self.boundary.iter().enumerate() {
-            let found = &self.found[k];
-            let pressure = self.settings.surface_tension * found.curvature;
-            columns.set(i, pressure, self.slopes[k], found.offset);
+            let Found { curvature, tangent, offset } = self.found[k];
+            let pressure = self.settings.surface_tension * curvature;
+            columns.set(i, &AtSurface { pressure, slope: self.slopes[k], tangent, offset });
         }
         let [r, z] = self.position.map(|field| world.store.read(field));
         for &i in &self.near_boundary {
-            let (pressure, slope, offset) = self.beside([r[i as usize], z[i as usize]]);
-            columns.set(i, pressure, slope, offset);
+            columns.set(i, &self.beside([r[i as usize], z[i as usize]]));
         }
         let mut rate = world.store.write(self.rate);
         rate.fill(0.0);
@@ -166,9 +169,9 @@ impl CurvatureColour {
         world.clock.set_mark("curvature");
     }
 
-    /// Laplace pressure, its slope and the way to the surface at a place beside the surface: those of the
-    /// nearest boundary particle, carried on along the surface.
-    fn beside(&self, [r, z]: [f64; 2]) -> (f64, [f64; 2], [f64; 2]) {
+    /// What belongs to a place beside the surface: that of the nearest boundary particle, carried on
+    /// along the surface.
+    fn beside(&self, [r, z]: [f64; 2]) -> AtSurface {
         let near = &self.neighbours;
         let Some((member, way)) = near.nearest([r, z], 3.0 * self.packing.largest_size) else {
             return Default::default();
@@ -176,15 +179,17 @@ impl CurvatureColour {
         let k = near.source(member);
         let turned = |[r, z]: [f64; 2]| if near.is_mirrored(member) { [-r, z] } else { [r, z] };
         let (slope, offset) = (turned(self.slopes[k]), turned(self.found[k].offset));
-        let tangent = turned(self.found[k].tangent);
+        // Mirrored, the tangent would have the liquid on its other side.
+        let tangent = turned(self.found[k].tangent).map(|t| if near.is_mirrored(member) { -t } else { t });
         let pressure = self.settings.surface_tension * self.found[k].curvature;
         let foot = [way[0] + offset[0], way[1] + offset[1]];
         let along = foot[0] * tangent[0] + foot[1] * tangent[1];
         // The slope's place is the boundary particle, the way to it is `way`.
         let carried = pressure - slope[0] * way[0] - slope[1] * way[1];
         let most = 2.0 * SHARPEST * self.settings.surface_tension / self.packing.largest_size;
-        let carried = carried.clamp(-most, most);
-        (carried, slope, [foot[0] - along * tangent[0], foot[1] - along * tangent[1]])
+        let pressure = carried.clamp(-most, most);
+        let offset = [foot[0] - along * tangent[0], foot[1] - along * tangent[1]];
+        AtSurface { pressure, slope, tangent, offset }
     }
 
     /// dP_L/dt along the surface by weighted least squares over boundary particles within 3 D
@@ -215,10 +220,20 @@ impl CurvatureColour {
     }
 }
 
+/// Laplace pressure, its slope, the surface's tangent and the way to it.
+#[derive(Default)]
+struct AtSurface {
+    pressure: f64,
+    slope: [f64; 2],
+    tangent: [f64; 2],
+    offset: [f64; 2],
+}
+
 /// What the stage writes besides the rate.
 struct Columns<'a> {
     pressure: AtomicRefMut<'a, [f64]>,
     slope: Option<[AtomicRefMut<'a, [f64]>; 2]>,
+    tangent: Option<[AtomicRefMut<'a, [f64]>; 2]>,
     offset: [AtomicRefMut<'a, [f64]>; 2],
 }
 
@@ -226,17 +241,18 @@ impl Columns<'_> {
     fn clear(&mut self) {
         self.pressure.fill(0.0);
         self.offset.iter_mut().for_each(|column| column.fill(0.0));
-        self.slope.iter_mut().flatten().for_each(|column| column.fill(0.0));
+        self.slope.iter_mut().chain(&mut self.tangent).flatten().for_each(|column| column.fill(0.0));
     }
 
-    fn set(&mut self, particle: u32, pressure: f64, slope: [f64; 2], offset: [f64; 2]) {
+    fn set(&mut self, particle: u32, here: &AtSurface) {
         let i = particle as usize;
-        self.pressure[i] = pressure;
-        for (column, value) in self.offset.iter_mut().zip(offset) {
-            column[i] = value;
-        }
-        for (column, value) in self.slope.iter_mut().flatten().zip(slope) {
-            column[i] = value;
+        self.pressure[i] = here.pressure;
+        for axis in 0..2 {
+            self.offset[axis][i] = here.offset[axis];
+            if let (Some(slope), Some(tangent)) = (&mut self.slope, &mut self.tangent) {
+                slope[axis][i] = here.slope[axis];
+                tangent[axis][i] = here.tangent[axis];
+            }
         }
     }
 }

@@ -81,6 +81,20 @@ pub static SURFACE_OFFSET_Z: Real = Field::state(
     "m",
     "The way to the surface when the curvature was last computed, axial component; zero inside.",
 );
+/// What the weights of ghosts lack of the surface's area, radial component.
+pub static AREA_LACK_R: Real = Field::state(
+    "area_lack_r",
+    "delta_r",
+    "1",
+    "What the weights of ghosts lack of the surface's area, over their length, radial component.",
+);
+/// What the weights of ghosts lack of the surface's area, axial component.
+pub static AREA_LACK_Z: Real = Field::state(
+    "area_lack_z",
+    "delta_z",
+    "1",
+    "What the weights of ghosts lack of the surface's area, over their length, axial component.",
+);
 /// Gradient of the Laplace pressure along the surface, radial component.
 pub static LAPLACE_SLOPE_R: Real = Field::state(
     "laplace_slope_r",
@@ -205,6 +219,20 @@ pub static MOMENT_RZ: Real = Field::derived("moment_rz", "L_rz", "1", "Moment ma
 /// Moment matrix L_zz.
 pub static MOMENT_ZZ: Real =
     Field::derived("moment_zz", "L_zz", "1", "Moment matrix, one inside and less at the surface.");
+/// Unit tangent of the surface, radial component.
+pub static SURFACE_TANGENT_R: Real = Field::derived(
+    "surface_tangent_r",
+    "t_r",
+    "1",
+    "Unit tangent of the surface when the curvature was last computed, radial component; zero inside.",
+);
+/// Unit tangent of the surface, axial component.
+pub static SURFACE_TANGENT_Z: Real = Field::derived(
+    "surface_tangent_z",
+    "t_z",
+    "1",
+    "Unit tangent of the surface when the curvature was last computed, axial component; zero inside.",
+);
 /// Weight vector of the ghost particle, radial.
 pub static GHOST_WEIGHT_R: Real = Field::derived(
     "ghost_weight_r",

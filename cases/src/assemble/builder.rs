@@ -26,6 +26,7 @@ use meniscus_stages::record::Precision;
 use meniscus_stages::reference_pressure;
 use meniscus_stages::shifting::{Shifting, Strength};
 use meniscus_stages::sort_bin::SortBin;
+use meniscus_stages::surface_area::SurfaceArea;
 use meniscus_stages::surface_corrections::{StrainCorrection, TangentialPressure};
 use meniscus_stages::velocity_gradient::VelocityGradient;
 use meniscus_stages::viscosity::Viscosity;
@@ -162,6 +163,14 @@ impl Builder<'_> {
         let reasons = ("surface tension is above zero", "there is no surface tension");
         if self.plan("curvature", self.with_tension(), reasons) {
             stages.push(self.curvature());
+        }
+        let reasons = ("ghosts must add up to the contour's length", "not asked for, or no colour field");
+        if self.plan("surface-area", self.with_slope(), reasons) {
+            stages.push(Box::new(SurfaceArea::new(
+                &mut self.wiring,
+                self.packing,
+                method.curvature_interval,
+            )));
         }
         let reasons = ("ghosts bring the Laplace pressure to the surface", "there is no surface tension");
         if self.plan("ghost-coupling", self.with_tension(), reasons) {
