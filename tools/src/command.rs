@@ -29,7 +29,8 @@ Exit codes: 0 done; 1 blew up; 2 bad input; 130 interrupted after a clean checkp
 const RESUME_EXAMPLES: &str = "\
 Examples:
   meniscus resume runs/oscillating-drop                      to the end that the scene states
-  meniscus resume runs/oscillating-drop --until '10 us'      or further";
+  meniscus resume runs/oscillating-drop --until '10 us'      or further
+  meniscus resume runs/oscillating-drop --profile            speeds and trace of what is left of it";
 
 const PLAN_EXAMPLES: &str = "\
 Examples:
@@ -91,10 +92,6 @@ pub(crate) struct RunArguments {
     /// Replace an earlier run in the folder
     #[arg(long)]
     pub(crate) overwrite: bool,
-    /// Tell how fast each stage is and how evenly its threads are busy; trace the first 200 steps and every
-    /// 1000th into profile.json (15 MB at most), which https://ui.perfetto.dev opens
-    #[arg(long)]
-    pub(crate) profile: bool,
     #[command(flatten)]
     pub(crate) extent: Extent,
 }
@@ -109,7 +106,7 @@ pub(crate) struct ResumeArguments {
     pub(crate) extent: Extent,
 }
 
-/// How far a run goes, and on how many threads.
+/// How far a run goes, on how many threads, and what it tells of itself.
 #[derive(clap::Args)]
 pub(crate) struct Extent {
     /// Threads [default: one for each core]
@@ -121,6 +118,10 @@ pub(crate) struct Extent {
     /// Steps at most, counted from the start of the run
     #[arg(long, value_name = "N")]
     steps: Option<u64>,
+    /// Tell how fast each stage is and how evenly its threads are busy; trace the first 200 steps and every
+    /// 1000th into profile.json (15 MB at most), which https://ui.perfetto.dev opens
+    #[arg(long)]
+    pub(crate) profile: bool,
     /// Show no progress
     #[arg(long, short)]
     pub(crate) quiet: bool,
