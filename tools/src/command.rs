@@ -6,6 +6,7 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
+use meniscus_engine::lanes::INSTRUCTION_SET;
 
 use crate::failure::Failure;
 use crate::study::StudyArguments;
@@ -46,7 +47,7 @@ Example:
 
 /// Axisymmetric capillary flow by smoothed particle hydrodynamics
 #[derive(Parser)]
-#[command(name = "meniscus", version, after_help = EXIT_CODES)]
+#[command(name = "meniscus", version = version(), after_help = EXIT_CODES)]
 struct Arguments {
     #[command(subcommand)]
     command: Command,
@@ -151,6 +152,11 @@ pub(crate) struct PlanArguments {
     /// Threads that the cost is told for [default: one for each core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub(crate) threads: Option<u16>,
+}
+
+/// Version of the program, and the instruction set that it was built for: a portable build has several.
+pub(crate) fn version() -> String {
+    format!("{} ({INSTRUCTION_SET})", env!("CARGO_PKG_VERSION"))
 }
 
 /// Reads the arguments of the process and does what they ask for.
