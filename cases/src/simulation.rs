@@ -158,6 +158,11 @@ impl Simulation {
         self.pipeline.run_stage(name, &mut self.world)
     }
 
+    /// Bytes that particles, neighbours, rows and stages take.
+    pub fn bytes(&self) -> usize {
+        self.world.bytes() + self.pipeline.bytes()
+    }
+
     /// What each stage has cost so far.
     pub fn costs(&self) -> &[Cost] {
         self.pipeline.costs()

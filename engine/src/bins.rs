@@ -1,6 +1,7 @@
 //! A uniform grid of cells over points of the plane; the points of neighbouring cells in one row of
 //! the grid lie next to each other.
 
+use crate::store::bytes_of;
 use std::ops::Range;
 
 /// Points sorted into the cells of a uniform grid.
@@ -64,6 +65,11 @@ impl Bins {
         // `start[c + 1]` now holds the start of cell c: move it down by one.
         self.start.rotate_left(1);
         self.start[rows * columns] = r.len() as u32;
+    }
+
+    /// Bytes that cells and members take.
+    pub fn bytes(&self) -> usize {
+        bytes_of(&self.start) + bytes_of(&self.members) + bytes_of(&self.cell_of)
     }
 
     /// The points in the order of the cells.

@@ -2,7 +2,8 @@
 //!
 //! Everything whose rounding depends on the instruction set lives here: [`Lanes::mul_add`] is one
 //! rounding where the build has fused multiply-add and two where it has not. Results are therefore
-//! identical for any number of threads, but not between builds for different instruction sets.
+//! identical for any number of threads and between builds for AVX2 and AVX-512, which both have it, but not
+//! between those and a build without.
 
 mod rows;
 mod scalar;
@@ -15,6 +16,16 @@ pub use scalar::{PLACE_STEP, Scalar, Vector, place};
 
 /// Number of particles that one [`Lanes`] of double precision holds, half as many as one of single precision.
 pub const WIDTH: usize = 8;
+
+/// The instruction set of the lanes in this build; that of the architecture's first processors where it has
+/// a wider one that was not asked for.
+pub const INSTRUCTION_SET: &str = if cfg!(target_feature = "avx512f") {
+    "AVX-512"
+} else if cfg!(all(target_feature = "avx2", target_feature = "fma")) {
+    "AVX2"
+} else {
+    std::env::consts::ARCH
+};
 
 /// Eight numbers, or sixteen of single precision, one a particle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

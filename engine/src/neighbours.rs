@@ -10,6 +10,7 @@
 use crate::bins::Bins;
 use crate::lanes::{Lanes, WIDTH, pack};
 use crate::parallel;
+use crate::store::bytes_of;
 use std::ops::Range;
 
 /// Where the half plane ends or repeats.
@@ -163,6 +164,16 @@ impl NeighbourList {
     /// Entries of all blocks, with those that fill up short lists: what a pair pass evaluates.
     pub fn slots(&self) -> usize {
         self.entries.len() * WIDTH
+    }
+
+    /// Bytes that the list takes, and what building it needs.
+    pub fn bytes(&self) -> usize {
+        let numbers = [&self.counts, &self.block_start, &self.members].map(bytes_of);
+        let points = self.points.iter().chain(&self.sorted).map(bytes_of);
+        bytes_of(&self.images)
+            + bytes_of(&self.entries)
+            + self.bins.bytes()
+            + numbers.into_iter().chain(points).sum::<usize>()
     }
 
     /// The interleaved entries of the eight particles from `8 * block` on; none behind the last particle.

@@ -34,6 +34,11 @@ impl World {
             arena: Bump::new(),
         }
     }
+
+    /// Bytes that all of it takes.
+    pub fn bytes(&self) -> usize {
+        self.store.bytes() + self.neighbours.bytes() + self.rows.bytes() + self.arena.allocated_bytes()
+    }
 }
 
 /// One stage of a step. It states its handles when it is constructed and touches nothing else.
@@ -46,6 +51,11 @@ pub trait Stage: Send {
     /// # Errors
     /// A [`Fault`] that says which particle and quantity went bad.
     fn run(&mut self, world: &mut World) -> Result<(), Fault>;
+
+    /// Bytes that the stage keeps for itself, where it keeps something of every particle.
+    fn bytes(&self) -> usize {
+        0
+    }
 
     /// What one run evaluates and moves, where the stage is a pair pass; must cost nothing to tell.
     fn pair_work(&self, _world: &World) -> PairWork {
@@ -127,17 +137,22 @@ impl Pipeline {
         Pipeline { start, stages, costs }
     }
 
+    /// Bytes that the stages of a step keep for themselves.
+    pub fn bytes(&self) -> usize {
+        self.stages.iter().map(|stage| stage.bytes()).sum()
+    }
+
     /// The cost of every stage, in their order.
     pub fn costs(&self) -> &[Cost] {
         &self.costs
     }
 
-    /// Runs the start stages: once for a new run, not when a run is resumed.
+    /// Runs the start stages: once for a new run, not when a run is resumed. What they keep is given back.
     ///
     /// # Errors
     /// The first fault.
     pub fn begin(&mut self, world: &mut World) -> Result<(), Fault> {
-        for stage in &mut self.start {
+        for mut stage in self.start.drain(..) {
             let _span = tracing::info_span!("start", stage = stage.name()).entered();
             stage.run(world)?;
         }

@@ -128,9 +128,15 @@ impl Store {
         self.columns.iter().map(|(description, values)| (*description, values.borrow()))
     }
 
-    /// Bytes that the columns take per particle.
-    pub fn bytes_per_particle(&self) -> usize {
-        self.columns.iter().map(|(_, v)| if matches!(*v.borrow(), Values::F64(_)) { 8 } else { 4 }).sum()
+    /// Bytes that the columns take, with the spare one of each type that sorting needs.
+    pub fn bytes(&self) -> usize {
+        let column = |values: &Values| match values {
+            Values::F64(values) => bytes_of(values),
+            Values::U32(values) => bytes_of(values),
+        };
+        let columns: usize = self.columns.iter().map(|(_, values)| column(&values.borrow())).sum();
+        columns
+            + self.scratch.iter().map(|(reals, indices)| bytes_of(reals) + bytes_of(indices)).sum::<usize>()
     }
 
     /// Moves every State value to its new place: particle `order[k]` becomes particle k.
@@ -161,6 +167,11 @@ impl Store {
             }
         }
     }
+}
+
+/// Bytes that the memory of some values takes.
+pub fn bytes_of<T>(values: &Vec<T>) -> usize {
+    values.capacity() * size_of::<T>()
 }
 
 fn gather<T: Element>(values: &mut Vec<T>, scratch: &mut Vec<T>, order: &[u32]) {

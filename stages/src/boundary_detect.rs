@@ -176,6 +176,12 @@ impl Stage for BoundaryDetect {
         "boundary-detect"
     }
 
+    fn bytes(&self) -> usize {
+        // Other stages share the field; this one takes it up.
+        let field = self.guard.as_ref().and_then(|guard| guard.field.lock().ok());
+        field.map_or(0, |field| field.bytes())
+    }
+
     fn run(&mut self, world: &mut World) -> Result<(), Fault> {
         if !world.clock.step.is_multiple_of(self.interval) {
             return Ok(());

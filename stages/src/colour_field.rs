@@ -4,6 +4,7 @@ use meniscus_engine::bins::Bins;
 use meniscus_engine::lanes::{Lanes, WIDTH};
 use meniscus_engine::neighbours::{Domain, Image};
 use meniscus_engine::parallel;
+use meniscus_engine::store::bytes_of;
 use std::f64::consts::PI;
 
 /// Colour and derivatives at a point, SI units.
@@ -74,6 +75,11 @@ impl ColourField {
             (self.r[k], self.z[k]) = place;
             self.area[k] = area[source];
         }
+    }
+
+    /// Bytes that the particles take in it.
+    pub fn bytes(&self) -> usize {
+        [&self.r, &self.z, &self.area].into_iter().map(bytes_of).sum::<usize>() + self.bins.bytes()
     }
 
     /// The field at (r, z) with the given support radius, all in metres.

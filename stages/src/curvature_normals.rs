@@ -8,7 +8,7 @@ use meniscus_engine::bins::Bins;
 use meniscus_engine::neighbours::Image;
 use meniscus_engine::parallel;
 use meniscus_engine::pipeline::{Fault, Stage, World};
-use meniscus_engine::store::{Read, Write};
+use meniscus_engine::store::{Read, Write, bytes_of};
 use meniscus_engine::wiring::Wiring;
 use std::f64::consts::PI;
 
@@ -132,6 +132,10 @@ impl CurvatureNormals {
 impl Stage for CurvatureNormals {
     fn name(&self) -> &'static str {
         "curvature"
+    }
+
+    fn bytes(&self) -> usize {
+        self.points.iter().map(bytes_of).sum::<usize>() + bytes_of(&self.normals) + self.bins.bytes()
     }
 
     fn run(&mut self, world: &mut World) -> Result<(), Fault> {

@@ -6,7 +6,7 @@ use meniscus_engine::lanes::{Lanes, WIDTH};
 use meniscus_engine::morton;
 use meniscus_engine::parallel;
 use meniscus_engine::pipeline::{Fault, Stage, World};
-use meniscus_engine::store::{Read, Update};
+use meniscus_engine::store::{Read, Update, bytes_of};
 use meniscus_engine::wiring::Wiring;
 use std::f64::consts::PI;
 
@@ -127,6 +127,10 @@ impl SortBin {
 impl Stage for SortBin {
     fn name(&self) -> &'static str {
         "sort-bin"
+    }
+
+    fn bytes(&self) -> usize {
+        bytes_of(&self.keys) + bytes_of(&self.order)
     }
 
     fn run(&mut self, world: &mut World) -> Result<(), Fault> {

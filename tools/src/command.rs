@@ -6,6 +6,7 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
+use meniscus_engine::lanes::INSTRUCTION_SET;
 
 use crate::failure::Failure;
 use crate::study::StudyArguments;
@@ -29,7 +30,8 @@ Exit codes: 0 done; 1 blew up; 2 bad input; 130 interrupted after a clean checkp
 const RESUME_EXAMPLES: &str = "\
 Examples:
   meniscus resume runs/oscillating-drop                      to the end that the scene states
-  meniscus resume runs/oscillating-drop --until '10 us'      or further";
+  meniscus resume runs/oscillating-drop --until '10 us'      or further
+  meniscus resume runs/oscillating-drop --profile            speeds and trace of what is left of it";
 
 const PLAN_EXAMPLES: &str = "\
 Examples:
@@ -45,7 +47,7 @@ Example:
 
 /// Axisymmetric capillary flow by smoothed particle hydrodynamics
 #[derive(Parser)]
-#[command(name = "meniscus", version, after_help = EXIT_CODES)]
+#[command(name = "meniscus", version = version(), after_help = EXIT_CODES)]
 struct Arguments {
     #[command(subcommand)]
     command: Command,
@@ -91,10 +93,6 @@ pub(crate) struct RunArguments {
     /// Replace an earlier run in the folder
     #[arg(long)]
     pub(crate) overwrite: bool,
-    /// Tell how fast each stage is and how evenly its threads are busy; trace the first 200 steps and every
-    /// 1000th into profile.json (15 MB at most), which https://ui.perfetto.dev opens
-    #[arg(long)]
-    pub(crate) profile: bool,
     #[command(flatten)]
     pub(crate) extent: Extent,
 }
@@ -109,7 +107,7 @@ pub(crate) struct ResumeArguments {
     pub(crate) extent: Extent,
 }
 
-/// How far a run goes, and on how many threads.
+/// How far a run goes, on how many threads, and what it tells of itself.
 #[derive(clap::Args)]
 pub(crate) struct Extent {
     /// Threads [default: one for each core]
@@ -121,6 +119,10 @@ pub(crate) struct Extent {
     /// Steps at most, counted from the start of the run
     #[arg(long, value_name = "N")]
     steps: Option<u64>,
+    /// Tell how fast each stage is and how evenly its threads are busy; trace the first 200 steps and every
+    /// 1000th into profile.json (15 MB at most), which https://ui.perfetto.dev opens
+    #[arg(long)]
+    pub(crate) profile: bool,
     /// Show no progress
     #[arg(long, short)]
     pub(crate) quiet: bool,
@@ -150,6 +152,11 @@ pub(crate) struct PlanArguments {
     /// Threads that the cost is told for [default: one for each core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub(crate) threads: Option<u16>,
+}
+
+/// Version of the program, and the instruction set that it was built for: a portable build has several.
+pub(crate) fn version() -> String {
+    format!("{} ({INSTRUCTION_SET})", env!("CARGO_PKG_VERSION"))
 }
 
 /// Reads the arguments of the process and does what they ask for.

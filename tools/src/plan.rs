@@ -6,17 +6,12 @@ use std::process::ExitCode;
 
 use meniscus_cases::assemble::{Physics, assemble};
 use meniscus_cases::scene::{self, Scene};
-use meniscus_cases::simulation::Simulation;
-use meniscus_engine::lanes::Row;
 use meniscus_engine::wiring::{Access, Wiring};
 
 use crate::command::{PlanArguments, pool};
 use crate::failure::Failure;
 use crate::output::units::{duration, grouped, quantity};
 use calibration::calibrate;
-
-/// Packed rows of a particle at most: flow and gradient.
-const ROWS_EACH: usize = 2;
 
 /// Prints the plan of a scene.
 pub(crate) fn plan(arguments: &PlanArguments) -> Result<ExitCode, Failure> {
@@ -81,7 +76,7 @@ fn print_costs(scene: &Scene) -> Result<(), Failure> {
     println!("time step {}, bounded as {bound}", quantity(costs.step_size, "s", 3));
     let (end, settling) = (quantity(scene.until, "s", 4), grouped(costs.settling_steps));
     println!("about {} steps to {end}, after {settling} to settle", grouped(costs.steps));
-    println!("memory about {}", memory(&costs.simulation));
+    println!("memory about {} MB", quantity(costs.simulation.bytes() as f64 / 1e6, "", 3));
     println!(
         "about {} on {} (measured over {})",
         duration(costs.seconds()),
@@ -100,16 +95,6 @@ fn print_costs(scene: &Scene) -> Result<(), Failure> {
 
 fn counted(number: usize, thing: &str) -> String {
     format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
-}
-
-/// Columns, packed rows, and neighbour list in both its forms.
-fn memory(simulation: &Simulation) -> String {
-    let world = &simulation.world;
-    let columns = world.store.len() * world.store.bytes_per_particle();
-    let images = world.neighbours.images().len();
-    let rows = ROWS_EACH * size_of::<Row>() * (world.store.len() + images);
-    let list = 2 * 4 * world.neighbours.pairs() as usize;
-    quantity((columns + rows + list) as f64 / 1e6, "", 3) + " MB"
 }
 
 fn print_fields(wiring: &Wiring) {

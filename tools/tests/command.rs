@@ -113,6 +113,10 @@ fn a_run_leaves_all_its_results_and_is_not_overwritten() {
     let summary = fs::read_to_string(run.join("summary.json")).unwrap();
     let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
     assert_eq!(summary["status"], "done");
+    let version = place.expect(0, &["--version"]);
+    let version = version.trim().strip_prefix("meniscus ").unwrap();
+    assert_eq!(version.contains("(AVX-512)"), cfg!(target_feature = "avx512f"), "{version}");
+    assert_eq!(summary["version"], version);
     // Less than a period has no frequency.
     assert_eq!(summary["measures"][0]["name"], "frequency");
     assert_eq!(summary["measures"][0]["value"], serde_json::Value::Null);

@@ -1,4 +1,4 @@
-//! `run --profile`: what it tells, that it changes nothing, and its trace.
+//! `run --profile` and `resume --profile`: what they tell, that they change nothing, and the trace.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -124,4 +124,32 @@ fn a_trace_holds_the_first_steps_with_stages_and_chunks_within_them() {
         let found = kinds["step"].iter().any(|step| within((start, end), (step.0, step.1)));
         assert!(found, "{name} at {start} lies in no step");
     }
+}
+
+#[test]
+fn a_run_that_goes_on_is_profiled_from_there() {
+    let place = tempfile::tempdir().unwrap();
+    let folder = place.path();
+    fs::write(folder.join("drop.toml"), DROP).unwrap();
+    meniscus(folder, &["run", "drop.toml", "--out", "whole", "--threads", "2"]);
+    meniscus(folder, &["run", "drop.toml", "--out", "parts", "--threads", "2", "--steps", "100"]);
+    let rest = ["resume", "parts", "--threads", "2", "--steps", "230", "--profile"];
+    let said = meniscus(folder, &rest);
+    for part in ["imbalance", "GFLOP/s", "flux"] {
+        assert!(said.contains(part), "{part} is not in\n{said}");
+    }
+    let last = |run: &str| folder.join(run).join("checkpoints/step-000000230.meniscus");
+    let paths = ["whole", "parts"].map(|run| last(run).display().to_string());
+    meniscus(folder, &["inspect", "diff", &paths[0], &paths[1]]);
+
+    let summary = json(folder.join("parts/summary.json"));
+    let stages = summary["profile"]["stages"].as_array().unwrap();
+    let flux = stages.iter().find(|stage| stage["name"] == "flux").unwrap();
+    assert_eq!(flux["calls"], 130, "the stages of this part are told, not those of the part before");
+    let nanoseconds = number(&flux["ns_per_particle_step"]) * number(&summary["particles"]) * 130.0;
+    assert!((nanoseconds * 1e-9 / number(&flux["seconds"]) - 1.0).abs() < 1e-9, "{flux}");
+    let trace = json(folder.join("parts/profile.json"));
+    let events = trace["traceEvents"].as_array().unwrap();
+    let steps: Vec<u64> = events.iter().filter_map(|event| event["args"]["step"].as_u64()).collect();
+    assert_eq!(steps, (100..230).collect::<Vec<_>>());
 }

@@ -1,6 +1,7 @@
 //! Packed rows: what a pair pass loads of each particle, and how eight of them become lanes.
 
 use super::{Lanes, Scalar, WIDTH};
+use crate::store::bytes_of;
 use wide::bytemuck::cast;
 use wide::{f32x4, f32x8};
 
@@ -32,6 +33,11 @@ impl RowTable {
     /// Makes room for `particles` and `images` in single precision.
     pub fn resize_single(&mut self, particles: usize, images: usize) {
         self.single.resize(particles + images + 2 * WIDTH, SingleRow::default());
+    }
+
+    /// Bytes that the rows take.
+    pub fn bytes(&self) -> usize {
+        bytes_of(&self.first) + bytes_of(&self.second) + bytes_of(&self.single)
     }
 }
 

@@ -63,7 +63,7 @@ pub struct Summary {
     pub measures: Vec<Measure>,
     /// How well the conserved quantities were kept.
     pub conservation: Conservation,
-    /// Version of the program.
+    /// Version of the program, and the instruction set that it was built for.
     pub version: String,
 }
 
@@ -200,7 +200,7 @@ pub(in crate::output) mod tests {
                 },
             ],
             conservation: Conservation { momentum_z: 3e-17, energy: -1.2e-3, mass: 0.0 },
-            version: "0.1.0".to_owned(),
+            version: "0.1.0 (AVX2)".to_owned(),
         }
     }
 

@@ -108,7 +108,7 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<ExitCode, Failure> {
         RunFolder::create(out, arguments.overwrite).map_err(|error| Failure::input(error.to_string()))?;
     folder.write_scene(&scene.text)?;
     let display = Display::alone(arguments.extent.quiet);
-    let profiler = arguments.profile.then(|| Profiler::listen(pool.current_num_threads())).transpose()?;
+    let profiler = Profiler::asked(&arguments.extent, &pool)?;
     let run = Run { scene, folder, signals, display, profiler, started };
     run.introduce();
     pool.install(|| run.go(Start::Scene)).map(|summary| tell(&summary))
@@ -221,7 +221,7 @@ impl Run {
             profiler: self.profiler.clone(),
         };
         if let Some(profiler) = &self.profiler {
-            profiler.record(true);
+            profiler.start(costs.first_step);
         }
         let end = self.drive(simulation, recorder, &mut costs.steps)?;
         let failure = match &end {

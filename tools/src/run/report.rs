@@ -9,6 +9,7 @@ use super::plots;
 use super::profile;
 use super::recorder::{OUTPUTS, Recorder};
 use super::stopwatch::Stopwatch;
+use crate::command::version;
 use crate::failure::Failure;
 use crate::output::folder::RunFolder;
 use crate::output::summary::{Conservation, Measure, StageCost, Status, Summary};
@@ -61,7 +62,7 @@ pub(super) fn report(
         stages,
         measures: outcomes.iter().map(measure).collect(),
         conservation: Conservation { momentum_z, energy, mass },
-        version: env!("CARGO_PKG_VERSION").to_owned(),
+        version: version(),
     };
     summary.write(&folder.summary())?;
     Ok(summary)

@@ -7,6 +7,7 @@ use meniscus_cases::scene::{self, Scene};
 use meniscus_cases::simulation::Settling;
 use meniscus_engine::checkpoint::{self, Checkpoint, newest_valid, set_aside};
 
+use super::profile::Profiler;
 use super::stopwatch::Moment;
 use super::{Display, Run, Start, columns, is_over, listen, tell};
 use crate::command::{ResumeArguments, pool};
@@ -30,7 +31,8 @@ pub(crate) fn resume(arguments: &ResumeArguments) -> Result<ExitCode, Failure> {
     let pool = pool(arguments.extent.threads)?;
     folder.write_scene(&scene.text)?;
     let display = Display::alone(arguments.extent.quiet);
-    let run = Run { scene, folder, signals, display, profiler: None, started };
+    let profiler = Profiler::asked(&arguments.extent, &pool)?;
+    let run = Run { scene, folder, signals, display, profiler, started };
     eprintln!("continues from {name}");
     pool.install(|| run.go(start)).map(|summary| tell(&summary))
 }

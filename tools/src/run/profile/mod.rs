@@ -23,7 +23,7 @@ pub(super) fn profile(
     (costs, stages): (&[Cost], &[StageCost]),
     (particles, steps): (u64, u64),
 ) -> OutputResult<Profile> {
-    profiler.record(false);
+    profiler.stop();
     trace::write(profiler, trace)?;
     let particle_steps = (particles * steps).max(1) as f64;
     let busy = profiler.busy();

@@ -4,12 +4,15 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
+use rayon::ThreadPool;
+
+use crate::command::Extent;
 use crate::failure::Failure;
 
 /// Of so many steps one is watched, and all that go into the trace: watching every step would cost 4 % of the
 /// run. A prime, so that what happens every few steps is met as often as it happens.
 const SAMPLE: u64 = 7;
-/// Steps at the start of a run that go into its trace, one by one.
+/// Steps from the first one on that go into the trace, one by one.
 const OPENING: u64 = 200;
 /// From then on, each of so many.
 const INTERVAL: u64 = 1000;
@@ -28,6 +31,8 @@ pub(in crate::run) struct Profiler {
     origin: Instant,
     /// Off while particles are packed and settle.
     recording: AtomicBool,
+    /// The first step since the run began, or went on.
+    first: AtomicU64,
     /// Whether the present step is watched.
     watching: AtomicBool,
     /// Whether it goes into the trace.
@@ -86,11 +91,15 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 impl Profiler {
-    /// A profiler of all spans of this process from now on, for so many threads.
+    /// A profiler of all spans on the threads of a pool from now on, where one is asked for.
     ///
     /// # Errors
     /// If the process has one already.
-    pub(in crate::run) fn listen(threads: usize) -> Result<Arc<Self>, Failure> {
+    pub(in crate::run) fn asked(extent: &Extent, pool: &ThreadPool) -> Result<Option<Arc<Self>>, Failure> {
+        extent.profile.then(|| Self::listen(pool.current_num_threads())).transpose()
+    }
+
+    fn listen(threads: usize) -> Result<Arc<Self>, Failure> {
         let room = |_| Thread {
             open: Vec::with_capacity(8),
             pieces: Vec::with_capacity(MOST / threads),
@@ -99,6 +108,7 @@ impl Profiler {
         let profiler = Arc::new(Profiler {
             origin: Instant::now(),
             recording: AtomicBool::new(false),
+            first: AtomicU64::new(0),
             watching: AtomicBool::new(false),
             traced: AtomicBool::new(false),
             present: AtomicU64::new(STAGES),
@@ -110,9 +120,15 @@ impl Profiler {
         Ok(profiler)
     }
 
-    /// Records, or not, what happens from now on.
-    pub(in crate::run) fn record(&self, recording: bool) {
-        self.recording.store(recording, Ordering::Relaxed);
+    /// Records what happens from now on; the next step is the first.
+    pub(in crate::run) fn start(&self, step: u64) {
+        self.first.store(step, Ordering::Relaxed);
+        self.recording.store(true, Ordering::Relaxed);
+    }
+
+    /// Records no longer.
+    pub(super) fn stop(&self) {
+        self.recording.store(false, Ordering::Relaxed);
         self.watching.store(false, Ordering::Relaxed);
     }
 
@@ -129,7 +145,8 @@ impl Profiler {
     /// Whether a step goes into the trace.
     fn is_traced(&self, step: u64, pieces: usize) -> bool {
         let most = MOST / self.threads.len();
-        (step < OPENING && pieces < most / 2) || (step.is_multiple_of(INTERVAL) && pieces < most)
+        let taken = step - self.first.load(Ordering::Relaxed);
+        (taken < OPENING && pieces < most / 2) || (step.is_multiple_of(INTERVAL) && pieces < most)
     }
 
     /// The thread that asks, while it is watched.
