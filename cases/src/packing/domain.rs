@@ -25,7 +25,26 @@ pub(super) struct Domain<'a> {
     pub bounds: [f64; 4],
     pub has_axis: bool,
     pub period: Option<f64>,
+    /// A tile repeats in r, too.
+    pub period_r: Option<f64>,
     pub count: usize,
+}
+
+/// The whole plane: it has no surface.
+struct Plane;
+
+impl Region for Plane {
+    fn signed_distance(&self, _: f64, _: f64) -> f64 {
+        f64::NEG_INFINITY
+    }
+
+    fn bounds(&self) -> [f64; 4] {
+        [f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY]
+    }
+
+    fn volume(&self) -> f64 {
+        f64::INFINITY
+    }
 }
 
 impl<'a> Domain<'a> {
@@ -58,10 +77,26 @@ impl<'a> Domain<'a> {
             bounds: [r_min / size, r_max / size, 0.0, top],
             has_axis: options.origin == 0.0,
             period: options.period.map(|period| period / size),
+            period_r: None,
             count: 0,
         };
         domain.count = domain.particle_count()?;
         Ok(domain)
+    }
+
+    /// A square of the plane, `side` particles wide, that repeats in both directions.
+    pub fn tile(side: usize) -> Domain<'static> {
+        let width = side as f64;
+        Domain {
+            region: &Plane,
+            size: 1.0,
+            base: 0.0,
+            bounds: [0.0, width, 0.0, width],
+            has_axis: false,
+            period: Some(width),
+            period_r: Some(width),
+            count: side * side,
+        }
     }
 
     /// Signed distance in particle sizes, negative inside.
@@ -78,6 +113,14 @@ impl<'a> Domain<'a> {
         let gradient = [slope([r + STEP, z], [r - STEP, z]), slope([r, z + STEP], [r, z - STEP])];
         let length = gradient[0].hypot(gradient[1]);
         (length > 0.01).then(|| ([gradient[0] / length, gradient[1] / length], length))
+    }
+
+    /// How far, at least, a point lies from the surface, the axis and the ends of the period.
+    pub fn depth(&self, point: Point) -> f64 {
+        let depth = -self.signed_distance(point);
+        let from_axis = if self.has_axis { point[0] } else { f64::INFINITY };
+        let from_ends = self.period.map_or(f64::INFINITY, |period| point[1].min(period - point[1]));
+        depth.min(from_axis).min(from_ends)
     }
 
     /// Height in metres of `z` in particle sizes.

@@ -7,6 +7,8 @@
 //! same density, beyond the axis with mirror images, so that nothing pulls a particle to either.
 //! No particle comes closer to the boundary than D/2, and those not much deeper are drawn there.
 //!
+//! In large regions the inside is filled with copies of a settled tile, and only the rest is settled.
+//!
 //! The result depends on the region and the options alone, not on the number of threads.
 
 mod cells;
@@ -17,7 +19,7 @@ mod start;
 mod tests;
 
 use crate::region::Region;
-use domain::Domain;
+use domain::{Domain, Point};
 use std::f64::consts::TAU;
 
 /// Particles that fill a region: positions in metres and areas in square metres.
@@ -103,6 +105,38 @@ pub enum PackingError {
     },
 }
 
+/// From so many particles on most of them lie so deep that they know nothing of the surface.
+const LARGE: usize = 50_000;
+
+/// Depth in particle sizes down to which particles start from the lattice, and down to which they move; below they
+/// stay where a settled tile has put them. What one place has too much or too little diffuses by some twenty sizes
+/// in the usual number of relaxation steps: so neither boundary nor seam meets a wall.
+const BAND: [f64; 2] = [32.0, 64.0];
+
+fn settle_all(domain: &Domain, options: &PackingOptions) -> Vec<Point> {
+    let mut points = start::points(domain, options.seed, domain.count, |_| true);
+    relax::relax(domain, &mut points, &[], options.iterations);
+    points
+}
+
+/// Fills the inside with copies of a tile that is settled already, and settles what lies near the surface,
+/// the axis and the ends of a period, where copies do not fit.
+fn settle_band(domain: &Domain, options: &PackingOptions) -> Vec<Point> {
+    let [seam, still] = BAND;
+    let is_deep = |point: &Point| domain.depth(*point) > seam;
+    let deep = start::settled_points(domain, options.seed, options.iterations, is_deep);
+    let rest = domain.count.saturating_sub(deep.len());
+    let mut band = start::points(domain, options.seed, rest, |point| !is_deep(point));
+    let (mut core, shell): (Vec<Point>, Vec<Point>) =
+        deep.into_iter().partition(|point| domain.depth(*point) > still);
+    band.extend(shell);
+    let met = |point: &&Point| domain.depth(**point) < still + 2.0 * relax::REACH;
+    let fixed: Vec<Point> = core.iter().filter(met).copied().collect();
+    relax::relax(domain, &mut band, &fixed, options.iterations);
+    core.append(&mut band);
+    core
+}
+
 /// Fills `region` with particles of equal area.
 ///
 /// # Errors
@@ -110,8 +144,10 @@ pub enum PackingError {
 /// volume is more than 2 % (and the rounding to whole particles) off the region's.
 pub fn pack(region: &dyn Region, options: &PackingOptions) -> Result<Packing, PackingError> {
     let domain = Domain::new(region, options)?;
-    let mut points = start::points(&domain, options.seed);
-    relax::relax(&domain, &mut points, options.iterations);
+    let points = match domain.count < LARGE {
+        true => settle_all(&domain, options),
+        false => settle_band(&domain, options),
+    };
 
     let size = options.particle_size;
     let r: Vec<f64> = points.iter().map(|point| point[0] * size).collect();

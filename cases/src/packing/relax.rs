@@ -9,6 +9,7 @@
 
 use super::cells::Cells;
 use super::domain::{Domain, Point, Source};
+use meniscus_engine::lanes::{Lanes, WIDTH, pack};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
@@ -38,9 +39,11 @@ const STAGES: [Stage; 3] = [
     Stage { share: 0.2, support: 2.0, capture: 0.75 },
 ];
 
-pub(super) fn relax(domain: &Domain, points: &mut [Point], iterations: usize) {
-    let outside = dust(domain);
-    let mut cells = Cells::default();
+/// Moves `points`; `fixed` are particles that stay where they are.
+pub(super) fn relax(domain: &Domain, points: &mut [Point], fixed: &[Point], iterations: usize) {
+    let mut outside = dust(domain);
+    outside.extend(fixed.iter().map(|&point| Source { point, area: 1.0 }));
+    let (mut sources, mut cells) = (Vec::new(), Cells::default());
     // A lower bound of each particle's depth: only those that may be too shallow are looked up.
     let mut depths = vec![0.0; points.len()];
     let mut end = 0.0;
@@ -48,11 +51,12 @@ pub(super) fn relax(domain: &Domain, points: &mut [Point], iterations: usize) {
     for stage in &STAGES {
         end += stage.share * iterations as f64;
         while (done as f64) < end && done < iterations {
-            cells.fill(&sources(domain, points, &outside));
+            gather(domain, points, &outside, &mut sources);
+            cells.fill(&sources);
             points.par_iter_mut().zip(&mut depths).for_each(|(point, depth)| {
                 let [push_r, push_z] = gradient(&cells, *point, stage.support);
                 *point = [point[0] - STEP * push_r, point[1] - STEP * push_z];
-                *depth -= STEP * push_r.hypot(push_z);
+                *depth -= STEP * (push_r * push_r + push_z * push_z).sqrt();
                 if *depth < stage.capture {
                     *depth = hold(domain, point, stage.capture);
                 }
@@ -63,27 +67,81 @@ pub(super) fn relax(domain: &Domain, points: &mut [Point], iterations: usize) {
     }
 }
 
-/// `sum V grad W` at `point`, with the planar Wendland C2 kernel; it points to the neighbours.
+/// `sum V grad W` at `point`, with the planar Wendland C2 kernel; it points to the neighbours. Sources are
+/// tested and weighed side by side, but added one after the other in their order.
 pub(super) fn gradient(cells: &Cells, point: Point, support: f64) -> Point {
+    let [r, z, _] = &cells.sorted;
+    let [point_r, point_z] = point.map(Lanes::splat);
+    let limit = Lanes::splat(support * support);
+    let mut found = Found { numbers: [0; MOST_FOUND], count: 0 };
     let mut sum = [0.0; 2];
-    for source in cells.near(point, support) {
-        let offset = [source.point[0] - point[0], source.point[1] - point[1]];
-        let square = offset[0] * offset[0] + offset[1] * offset[1];
-        if square < support * support {
-            let rest = 1.0 - square.sqrt() / support;
-            let weight = source.area * rest * rest * rest;
-            sum[0] += weight * offset[0];
-            sum[1] += weight * offset[1];
+    for range in cells.near(point, support) {
+        for start in range.clone().step_by(WIDTH) {
+            let (dr, dz) = (Lanes::load(&r[start..]) - point_r, Lanes::load(&z[start..]) - point_z);
+            let inside = (dr * dr + dz * dz).less_bits(limit);
+            let inside = inside & (0xff >> (WIDTH - (range.end - start).min(WIDTH)));
+            let numbers = std::array::from_fn(|lane| (start + lane) as u32);
+            if found.is_full() {
+                found.weigh(cells, point, support, &mut sum);
+            }
+            found.add(&pack(&numbers, inside), inside.count_ones() as usize);
         }
     }
+    found.weigh(cells, point, support, &mut sum);
     let factor = 140.0 / (PI * support.powi(4));
     [factor * sum[0], factor * sum[1]]
 }
 
-/// Particles, dust and the images of both.
-pub(super) fn sources(domain: &Domain, points: &[Point], outside: &[Source]) -> Vec<Source> {
-    let particles = points.iter().map(|&point| Source { point, area: 1.0 });
-    let mut sources: Vec<Source> = particles.chain(outside.iter().copied()).collect();
+/// How many sources are weighed together.
+const MOST_FOUND: usize = 8 * WIDTH;
+
+/// Sources within the support of a particle that are not yet weighed.
+struct Found {
+    numbers: [u32; MOST_FOUND],
+    count: usize,
+}
+
+impl Found {
+    fn is_full(&self) -> bool {
+        self.count + WIDTH > MOST_FOUND
+    }
+
+    #[inline(always)]
+    fn add(&mut self, numbers: &[u32; WIDTH], count: usize) {
+        self.numbers[self.count..self.count + WIDTH].copy_from_slice(numbers);
+        self.count += count;
+    }
+
+    /// Adds the weights of all to `sum`, and is empty then.
+    #[inline(always)]
+    fn weigh(&mut self, cells: &Cells, point: Point, support: f64, sum: &mut Point) {
+        let [point_r, point_z] = point.map(Lanes::splat);
+        let support = Lanes::splat(support);
+        for start in (0..self.count).step_by(WIDTH) {
+            // What lies behind the last one is weighed, too, but not added.
+            let numbers = &self.numbers[start..start + WIDTH];
+            let [r, z, area] = cells.sorted.each_ref().map(|column| {
+                let at = |lane: usize| column[numbers[lane] as usize];
+                Lanes::load(&[at(0), at(1), at(2), at(3), at(4), at(5), at(6), at(7)])
+            });
+            let (dr, dz) = (r - point_r, z - point_z);
+            let rest = Lanes::ONE - (dr * dr + dz * dz).sqrt() / support;
+            let weight = area * rest * rest * rest;
+            let (push_r, push_z) = ((weight * dr).to_array(), (weight * dz).to_array());
+            for lane in 0..WIDTH.min(self.count - start) {
+                sum[0] += push_r[lane];
+                sum[1] += push_z[lane];
+            }
+        }
+        self.count = 0;
+    }
+}
+
+/// Gathers particles, dust and the images of both in `sources`.
+pub(super) fn gather(domain: &Domain, points: &[Point], outside: &[Source], sources: &mut Vec<Source>) {
+    sources.clear();
+    sources.extend(points.iter().map(|&point| Source { point, area: 1.0 }));
+    sources.extend_from_slice(outside);
     let mut add_images = |within: &dyn Fn(Point) -> bool, image: &dyn Fn(Point) -> Point| {
         for index in 0..sources.len() {
             let Source { point, area } = sources[index];
@@ -95,13 +153,17 @@ pub(super) fn sources(domain: &Domain, points: &[Point], outside: &[Source]) -> 
     if domain.has_axis {
         add_images(&|[r, _]| r < REACH, &|[r, z]| [-r, z]);
     }
+    if let Some(width) = domain.period_r {
+        add_images(&|[r, _]| r < REACH, &|[r, z]| [r + width, z]);
+        let far = width - REACH..width;
+        add_images(&|[r, _]| far.contains(&r), &|[r, z]| [r - width, z]);
+    }
     if let Some(period) = domain.period {
         add_images(&|[_, z]| z < REACH, &|[r, z]| [r, z + period]);
         // The images just added lie above the period and have none of their own.
         let top = period - REACH..period;
         add_images(&|[_, z]| top.contains(&z), &|[r, z]| [r, z - period]);
     }
-    sources
 }
 
 /// The plane outside, within reach of a particle, in pieces: each at its centroid with its area.
@@ -162,10 +224,13 @@ fn hold(domain: &Domain, point: &mut Point, capture: f64) -> f64 {
     -distance
 }
 
-/// Brings `point` back to r >= 0 and into the period.
+/// Brings `point` back to r >= 0 and into the periods.
 fn wrap(domain: &Domain, point: &mut Point) {
     if domain.has_axis {
         point[0] = point[0].abs();
+    }
+    if let Some(width) = domain.period_r {
+        point[0] = point[0].rem_euclid(width);
     }
     if let Some(period) = domain.period {
         point[1] = point[1].rem_euclid(period);
