@@ -27,10 +27,9 @@ fn lists(criterion: &mut Criterion) {
             pool.install(|| bencher.iter(|| list.build(&r, &z, &reach, &domain)));
         });
         let cell = reach.iter().copied().fold(0.0, f64::max);
-        let (mut keys, mut order) = (Vec::new(), Vec::new());
         let mut sort = |name: &str, r: &[f64], z: &[f64]| {
             group.bench_function(BenchmarkId::new(name, particles), |bencher| {
-                pool.install(|| bencher.iter(|| black_box(morton::order(r, z, cell, &mut keys, &mut order))));
+                pool.install(|| bencher.iter(|| black_box(morton::order(r, z, cell))));
             });
         };
         sort("Morton order, found in order", &r, &z);

@@ -2,7 +2,7 @@
 //! `cargo bench -p meniscus-benches --bench step`.
 //!
 //! Throughput is in particles: 10 Melem/s are 100 ns per particle and step. With `MENISCUS_MILLION` set in the
-//! environment a million particles are measured, too; filling that drop takes minutes.
+//! environment a million particles are measured, too.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use meniscus_benches::{advance, drop_of, drop_scene, one_thread, start};

@@ -13,9 +13,8 @@ use meniscus_engine::clock::Clock;
 use meniscus_engine::neighbours::Domain;
 use meniscus_engine::pipeline::{Cost, Fault, Pipeline, World};
 use meniscus_engine::wiring::WiringError;
+use meniscus_stages::fields;
 use meniscus_stages::liquids::{IdealGas, Linear, MieGrueneisen};
-use settling::{Seeds, place};
-
 pub use settling::Settling;
 
 /// Why a scene can't be set in motion.
@@ -130,10 +129,12 @@ impl Simulation {
         settling.finish(scene)
     }
 
-    fn of_seeds(physics: &Physics, seeds: &Seeds) -> Result<Self, StartError> {
+    fn of_count(physics: &Physics, count: usize) -> Result<Self, StartError> {
         let Assembly { wiring, pipeline, plan } = assemble(physics)?;
-        let mut store = wiring.allocate(seeds.r.len());
-        place(&mut store, seeds);
+        let mut store = wiring.allocate(count);
+        if let Some(scale) = store.by_name_mut::<f64>(fields::KERNEL_SCALE.description.name) {
+            scale.fill(1.0);
+        }
         let world = World::new(store, Clock::default());
         Ok(Simulation { physics: physics.clone(), world, plan, pipeline })
     }

@@ -1,6 +1,7 @@
 //! A uniform grid of cells over points of the plane; the points of neighbouring cells in one row of
 //! the grid lie next to each other.
 
+use crate::lanes::WIDTH;
 use crate::store::bytes_of;
 use std::ops::Range;
 
@@ -13,67 +14,83 @@ pub struct Bins {
     rows: usize,
     columns: usize,
     start: Vec<u32>,
+    /// And then zeros to fill the last lanes.
     members: Vec<u32>,
-    cell_of: Vec<u32>,
 }
 
 impl Bins {
     /// Sorts points into cells of at least the given size in metres. Cells grow where the points lie
     /// so far apart that an ordinary grid would have many more cells than points.
     pub fn build(&mut self, r: &[f64], z: &[f64], cell: f64) {
-        let extent = |values: &[f64]| {
-            let least = values.iter().copied().fold(f64::INFINITY, f64::min);
-            let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            if values.is_empty() { (0.0, 0.0) } else { (least, most - least) }
-        };
-        let (r_least, height) = extent(r);
-        let (z_least, width) = extent(z);
+        self.build_of(r.len(), |point| (r[point], z[point]), cell);
+    }
+
+    /// The same for `count` points of which `place` tells (r, z), always the same.
+    pub fn build_of(&mut self, count: usize, place: impl Fn(usize) -> (f64, f64), cell: f64) {
+        let mut least = [f64::INFINITY; 2];
+        let mut most = [f64::NEG_INFINITY; 2];
+        for (r, z) in (0..count).map(&place) {
+            least = [least[0].min(r), least[1].min(z)];
+            most = [most[0].max(r), most[1].max(z)];
+        }
+        if count == 0 {
+            (least, most) = ([0.0; 2], [0.0; 2]);
+        }
+        let [r_least, z_least] = least;
+        let (height, width) = (most[0] - r_least, most[1] - z_least);
         let mut cell = cell;
-        let most_cells = 16.0 * r.len() as f64 + 1024.0;
+        let most_cells = 16.0 * count as f64 + 1024.0;
         while (height / cell + 1.0) * (width / cell + 1.0) > most_cells {
             cell *= 1.5;
         }
         (self.r_least, self.z_least, self.inverse_cell) = (r_least, z_least, 1.0 / cell);
         self.rows = (height / cell) as usize + 1;
         self.columns = (width / cell) as usize + 1;
-        self.sort(r, z);
+        self.sort(count, place);
     }
 
-    fn sort(&mut self, r: &[f64], z: &[f64]) {
+    fn sort(&mut self, count: usize, place: impl Fn(usize) -> (f64, f64)) {
         let (rows, columns) = (self.rows, self.columns);
+        let (r_least, z_least, inverse_cell) = (self.r_least, self.z_least, self.inverse_cell);
+        let cell_of = |point: usize| {
+            let (r, z) = place(point);
+            let row = ((r - r_least) * inverse_cell) as usize;
+            let column = ((z - z_least) * inverse_cell) as usize;
+            row.min(rows - 1) * columns + column.min(columns - 1)
+        };
         self.start.clear();
         self.start.resize(rows * columns + 1, 0);
-        self.cell_of.clear();
-        for (&r, &z) in r.iter().zip(z) {
-            let row = ((r - self.r_least) * self.inverse_cell) as usize;
-            let column = ((z - self.z_least) * self.inverse_cell) as usize;
-            let cell = row.min(rows - 1) * columns + column.min(columns - 1);
-            self.cell_of.push(cell as u32);
-            self.start[cell + 1] += 1;
+        for point in 0..count {
+            self.start[cell_of(point) + 1] += 1;
         }
         for cell in 0..rows * columns {
             self.start[cell + 1] += self.start[cell];
         }
         self.members.clear();
-        self.members.resize(r.len(), 0);
+        self.members.resize(count + WIDTH, 0);
         // Filling from the back with the ends of the cells leaves `start` as the starts.
-        for point in (0..r.len()).rev() {
-            let slot = &mut self.start[self.cell_of[point] as usize + 1];
+        for point in (0..count).rev() {
+            let slot = &mut self.start[cell_of(point) + 1];
             *slot -= 1;
             self.members[*slot as usize] = point as u32;
         }
         // `start[c + 1]` now holds the start of cell c: move it down by one.
         self.start.rotate_left(1);
-        self.start[rows * columns] = r.len() as u32;
+        self.start[rows * columns] = count as u32;
     }
 
     /// Bytes that cells and members take.
     pub fn bytes(&self) -> usize {
-        bytes_of(&self.start) + bytes_of(&self.members) + bytes_of(&self.cell_of)
+        bytes_of(&self.start) + bytes_of(&self.members)
     }
 
     /// The points in the order of the cells.
     pub fn members(&self) -> &[u32] {
+        &self.members[..self.members.len().saturating_sub(WIDTH)]
+    }
+
+    /// The same, and then zeros: as many lanes as there are can be loaded from any place of a point.
+    pub fn padded_members(&self) -> &[u32] {
         &self.members
     }
 

@@ -27,6 +27,43 @@ pub trait Element: Copy + Default + Send + Sync + fmt::Debug + 'static {
         Self: Sized;
     /// What an unwritten Derived value is set to, so that reading it shows.
     fn poison() -> Self;
+    /// Whether it is what memory holds that was never written.
+    fn is_untouched(&self) -> bool;
+}
+
+/// Bytes from which on a column has memory of its own, and how much it asks for then.
+const MAPPED: [usize; 2] = [1 << 20, 33 << 20];
+
+/// A column of zeros. A long one asks for more than the system's allocator ever takes from its heap: it is mapped
+/// by itself, what was never written takes no memory, and all of it goes back at once. On a heap a quarter of the
+/// memory would be holes between columns.
+pub(crate) fn zeros<T: Element>(len: usize) -> Vec<T> {
+    let asked = if len * size_of::<T>() < MAPPED[0] { len } else { len.max(MAPPED[1] / size_of::<T>()) };
+    let mut values = vec![T::default(); asked];
+    values.truncate(len);
+    values
+}
+
+/// Values that are written together or not at all.
+const BLOCK: usize = 64;
+
+/// Sets values to zero, and writes only where they are not: columns of what is zero but at the surface take
+/// hardly any memory as long as the rest of them is never written. (To write them one by one under a mask would
+/// take long: a processor stumbles at masked stores into memory that was never written.)
+pub fn clear<T: Element>(values: &mut [T]) {
+    values.chunks_mut(BLOCK).filter(|block| is_touched(block)).for_each(|block| block.fill(T::default()));
+}
+
+/// Copies values that are as many, but for blocks that are zero on both sides.
+pub(crate) fn copy<T: Element>(to: &mut [T], from: &[T]) {
+    let blocks = to.chunks_mut(BLOCK).zip(from.chunks(BLOCK));
+    blocks.filter(|(to, from)| is_touched(to) || is_touched(from)).for_each(|(to, from)| {
+        to.copy_from_slice(from);
+    });
+}
+
+fn is_touched<T: Element>(block: &[T]) -> bool {
+    block.iter().fold(false, |touched, value| touched | !value.is_untouched())
 }
 
 /// The values of one column.
@@ -54,7 +91,7 @@ impl Values {
 }
 
 macro_rules! element {
-    ($type:ty, $variant:ident, $poison:expr) => {
+    ($type:ty, $variant:ident, $poison:expr, $untouched:expr) => {
         impl Element for $type {
             fn into_values(values: Vec<Self>) -> Values {
                 Values::$variant(values)
@@ -74,11 +111,14 @@ macro_rules! element {
             fn poison() -> Self {
                 $poison
             }
+            fn is_untouched(&self) -> bool {
+                $untouched(self)
+            }
         }
     };
 }
-element!(f64, F64, f64::NAN);
-element!(u32, U32, u32::MAX);
+element!(f64, F64, f64::NAN, |value: &f64| value.to_bits() == 0);
+element!(u32, U32, u32::MAX, |value: &u32| *value == 0);
 
 /// What is known of a field whatever type it holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -21,27 +21,28 @@ pub fn key(column: u32, row: u32) -> u64 {
 const TOLERATED: usize = 8;
 
 /// The order of particles along the Morton curve over cells of the given size (metres); particles of
-/// one cell keep their order. `order` and `keys` are overwritten and reuse their memory. False where the
-/// particles are so nearly in order that `order` is left empty.
-pub fn order(r: &[f64], z: &[f64], cell: f64, keys: &mut Vec<(u64, u32)>, order: &mut Vec<u32>) -> bool {
+/// one cell keep their order. None where the particles are so nearly in order that it doesn't pay.
+pub fn order(r: &[f64], z: &[f64], cell: f64) -> Option<Vec<u32>> {
+    if r.is_empty() {
+        return None;
+    }
     let least = |values: &[f64]| -parallel::maximum(values.len(), |i| -values[i]);
     let (r_least, z_least) = (least(r), least(z));
     let index = |value: f64, least: f64| ((value - least) / cell) as u32;
-    keys.resize(r.len(), (0, 0));
-    parallel::for_chunks(r.len(), (&mut keys[..], r, z), |start, (keys, r, z)| {
-        for (k, entry) in keys.iter_mut().enumerate() {
-            let particle = (start + k) as u32;
-            *entry = (key(index(r[k], r_least), index(z[k], z_least)), particle);
-        }
-    });
-    order.clear();
-    let misplaced = keys.windows(2).filter(|pair| pair[0] > pair[1]).count();
-    if misplaced * TOLERATED <= keys.len() {
-        return false;
+    let key_of = |i: usize| key(index(r[i], r_least), index(z[i], z_least));
+    let precedes = |start: usize, (), len: usize| {
+        // The pair that two chunks share belongs to the second.
+        let mut before = key_of(start.saturating_sub(1));
+        let is_less = |i: usize| std::mem::replace(&mut before, key_of(i)) > before;
+        (start..start + len).map(is_less).filter(|less| *less).count()
+    };
+    let misplaced = parallel::fold_chunks(r.len(), (), &precedes, &|a, b| a + b);
+    if misplaced * TOLERATED <= r.len() {
+        return None;
     }
+    let mut keys: Vec<(u64, u32)> = (0..r.len()).map(|i| (key_of(i), i as u32)).collect();
     keys.sort_unstable();
-    order.extend(keys.iter().map(|&(_, particle)| particle));
-    true
+    Some(keys.into_iter().map(|(_, particle)| particle).collect())
 }
 
 #[cfg(test)]
@@ -59,9 +60,7 @@ mod tests {
     fn order_is_a_permutation_that_follows_the_curve() {
         let r = [1.5, 0.5, 0.5, 1.5];
         let z = [1.5, 1.5, 0.5, 0.5];
-        let (mut keys, mut sequence) = (Vec::new(), Vec::new());
-        assert!(order(&r, &z, 1.0, &mut keys, &mut sequence));
-        assert_eq!(sequence, [2, 3, 1, 0]);
-        assert!(!order(&[0.5, 1.5, 0.5, 1.5], &[0.5, 0.5, 1.5, 1.5], 1.0, &mut keys, &mut sequence));
+        assert_eq!(order(&r, &z, 1.0), Some(vec![2, 3, 1, 0]));
+        assert_eq!(order(&[0.5, 1.5, 0.5, 1.5], &[0.5, 0.5, 1.5, 1.5], 1.0), None);
     }
 }

@@ -78,9 +78,9 @@ pub struct NeighbourList {
     block_start: Vec<u32>,
     entries: Vec<[u32; WIDTH]>,
     bins: Bins,
-    points: [Vec<f64>; 3],
-    sorted: [Vec<f64>; 3],
-    members: Vec<u32>,
+    /// Memory for the next build, for places and reaches in the order of the cells. It holds nothing in between:
+    /// who has other use for it can take it.
+    pub scratch: [Vec<f64>; 3],
     builds: u64,
 }
 
@@ -90,34 +90,38 @@ impl NeighbourList {
     pub fn build(&mut self, r: &[f64], z: &[f64], reach: &[f64], domain: &Domain) {
         let largest = 2.0 * parallel::maximum(reach.len(), |i| reach[i]);
         domain.images(r, z, largest, &mut self.images);
-        for (points, values) in self.points.iter_mut().zip([r, z, reach]) {
-            points.clear();
-            points.extend_from_slice(values);
-        }
-        for image in &self.images {
-            let source = image.source as usize;
-            let (image_r, image_z) = domain.place(image, r[source], z[source]);
-            self.points[0].push(image_r);
-            self.points[1].push(image_z);
-            self.points[2].push(reach[source]);
-        }
+        let images = &self.images;
+        let place = |point: usize| match point.checked_sub(r.len()) {
+            None => (r[point], z[point]),
+            Some(image) => {
+                let source = images[image].source as usize;
+                domain.place(&images[image], r[source], z[source])
+            }
+        };
         // Cells of half the largest distance: five rows of them hold fewer points than three of twice the size.
-        self.bins.build(&self.points[0], &self.points[1], 0.5 * largest);
-        for (sorted, points) in self.sorted.iter_mut().zip(&self.points) {
-            sorted.clear();
-            sorted.extend(self.bins.members().iter().map(|&member| points[member as usize]));
-            sorted.resize(points.len() + WIDTH, 0.0);
+        let count = r.len() + images.len();
+        self.bins.build_of(count, place, 0.5 * largest);
+        for column in &mut self.scratch {
+            column.clear();
+            column.reserve_exact(count + WIDTH);
         }
-        self.members.clear();
-        self.members.extend_from_slice(self.bins.members());
-        self.members.resize(self.bins.members().len() + WIDTH, 0);
+        let [sorted_r, sorted_z, sorted_reach] = &mut self.scratch;
+        for &member in self.bins.members() {
+            let point = member as usize;
+            let (r, z) = place(point);
+            let source = point.checked_sub(reach.len()).map_or(point, |image| images[image].source as usize);
+            sorted_r.push(r);
+            sorted_z.push(z);
+            sorted_reach.push(reach[source]);
+        }
+        self.scratch.iter_mut().for_each(|column| column.resize(count + WIDTH, 0.0));
         self.builds += 1;
-        self.fill(r.len(), largest);
+        self.fill([r, z, reach], largest);
     }
 
-    fn fill(&mut self, len: usize, largest: f64) {
-        let (points, sorted, members) = (&self.points, &self.sorted, &self.members);
-        let search = Search { bins: &self.bins, points, sorted, members, largest };
+    fn fill(&mut self, points: [&[f64]; 3], largest: f64) {
+        let len = points[0].len();
+        let search = Search { bins: &self.bins, points, sorted: &self.scratch, largest };
         self.counts.resize(len, 0);
         parallel::for_chunks(len, &mut self.counts[..], |start, counts| {
             for (k, count) in counts.iter_mut().enumerate() {
@@ -168,8 +172,8 @@ impl NeighbourList {
 
     /// Bytes that the list takes, and what building it needs.
     pub fn bytes(&self) -> usize {
-        let numbers = [&self.counts, &self.block_start, &self.members].map(bytes_of);
-        let points = self.points.iter().chain(&self.sorted).map(bytes_of);
+        let numbers = [&self.counts, &self.block_start].map(bytes_of);
+        let points = self.scratch.iter().map(bytes_of);
         bytes_of(&self.images)
             + bytes_of(&self.entries)
             + self.bins.bytes()
@@ -204,10 +208,10 @@ impl NeighbourList {
 
 struct Search<'a> {
     bins: &'a Bins,
-    points: &'a [Vec<f64>; 3],
-    /// The points in the order of their cells, and their numbers.
+    /// The particles.
+    points: [&'a [f64]; 3],
+    /// Particles and images in the order of their cells.
     sorted: &'a [Vec<f64>; 3],
-    members: &'a [u32],
     largest: f64,
 }
 
@@ -226,7 +230,8 @@ impl Search<'_> {
                 let square = dr * dr + dz * dz;
                 // At distance zero lies the particle itself: it is no pair.
                 let inside = square.less_bits(limit * limit) & Lanes::ZERO.less_bits(square);
-                let members = self.members[start..start + WIDTH].try_into().expect("eight members");
+                let members = &self.bins.padded_members()[start..start + WIDTH];
+                let members = members.try_into().expect("eight members");
                 found(members, inside & (0xff >> (WIDTH - (range.end - start).min(WIDTH))));
             }
         });

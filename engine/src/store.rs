@@ -1,6 +1,6 @@
 //! Particles as columns: one contiguous array per field.
 
-use crate::field::{Description, Element, Role, Values};
+use crate::field::{Description, Element, Role, Values, clear, copy};
 use atomic_refcell::{AtomicRef, AtomicRefCell, AtomicRefMut};
 use std::marker::PhantomData;
 
@@ -9,7 +9,6 @@ use std::marker::PhantomData;
 pub struct Store {
     len: usize,
     columns: Vec<(Description, AtomicRefCell<Values>)>,
-    scratch: Vec<(Vec<f64>, Vec<u32>)>,
 }
 
 /// The right to read a field.
@@ -60,7 +59,7 @@ mutable!(Add);
 impl Store {
     pub(crate) fn new(len: usize, columns: Vec<(Description, Values)>) -> Self {
         let columns = columns.into_iter().map(|(d, v)| (d, AtomicRefCell::new(v))).collect();
-        Store { len, columns, scratch: Vec::new() }
+        Store { len, columns }
     }
 
     /// Number of particles.
@@ -116,7 +115,7 @@ impl Store {
         };
         match T::of_mut(column.get_mut()) {
             Some(column) if column.len() == values.len() => {
-                column.copy_from_slice(values);
+                copy(column, values);
                 true
             }
             _ => false,
@@ -128,32 +127,75 @@ impl Store {
         self.columns.iter().map(|(description, values)| (*description, values.borrow()))
     }
 
-    /// Bytes that the columns take, with the spare one of each type that sorting needs.
+    /// Bytes that the columns take.
     pub fn bytes(&self) -> usize {
         let column = |values: &Values| match values {
-            Values::F64(values) => bytes_of(values),
-            Values::U32(values) => bytes_of(values),
+            // A long column asks for more memory than it ever touches.
+            Values::F64(values) => size_of_val(&values[..]),
+            Values::U32(values) => size_of_val(&values[..]),
         };
-        let columns: usize = self.columns.iter().map(|(_, values)| column(&values.borrow())).sum();
-        columns
-            + self.scratch.iter().map(|(reals, indices)| bytes_of(reals) + bytes_of(indices)).sum::<usize>()
+        self.columns.iter().map(|(_, values)| column(&values.borrow())).sum()
     }
 
-    /// Moves every State value to its new place: particle `order[k]` becomes particle k.
-    pub fn permute(&mut self, order: &[u32]) {
-        if self.scratch.is_empty() {
-            self.scratch.push((vec![0.0; self.len], vec![0; self.len]));
+    /// Takes over the State columns that both have, and leaves zeros.
+    pub fn adopt(&mut self, other: &mut Store) {
+        for (description, column) in &mut self.columns {
+            let both = other.columns.iter_mut().find(|(theirs, _)| theirs == description);
+            let both = both.filter(|_| description.role == Role::State && self.len == other.len);
+            if let Some((_, theirs)) = both {
+                std::mem::swap(column, theirs);
+            }
         }
-        let (reals, indices) = &mut self.scratch[0];
+    }
+
+    /// Lends the memory of as many Derived columns, or takes it back: swaps both. What comes back must be as long at
+    /// least. Only between steps and in their first stage, when nobody expects anything there.
+    pub fn swap_derived(&mut self, scratch: &mut [Vec<f64>]) {
+        let derived = self.columns.iter_mut().filter(|(description, _)| description.role == Role::Derived);
+        let derived = derived.filter_map(|(_, column)| f64::of_mut(column.get_mut()));
+        for (column, scratch) in derived.zip(scratch) {
+            scratch.truncate(self.len);
+            std::mem::swap(column, scratch);
+        }
+    }
+
+    /// The State columns, then all others if asked for, taken out of the store while `look` looks at them; it
+    /// gives them back.
+    pub fn lend<R>(
+        &self,
+        with_derived: bool,
+        look: impl FnOnce(Vec<(Description, Values)>) -> (R, Vec<Values>),
+    ) -> R {
+        let wanted = |(d, _): &&(Description, AtomicRefCell<Values>)| with_derived || d.role == Role::State;
+        let mut wanted: Vec<_> = self.columns.iter().filter(wanted).collect();
+        wanted.sort_by_key(|(description, _)| description.role == Role::Derived);
+        let take = |column: &AtomicRefCell<Values>| {
+            std::mem::replace(&mut *column.borrow_mut(), Values::U32(Vec::new()))
+        };
+        let (result, returned) = look(wanted.iter().map(|(d, column)| (*d, take(column))).collect());
+        for ((_, column), values) in wanted.into_iter().zip(returned) {
+            *column.borrow_mut() = values;
+        }
+        result
+    }
+
+    /// Moves every State value to its new place: particle `order[k]` becomes particle k. The memory of Derived
+    /// columns serves as scratch.
+    pub fn permute(&mut self, order: &[u32]) {
+        let mut reals = [Vec::new()];
+        self.swap_derived(&mut reals);
+        reals[0].resize(self.len, 0.0);
+        let mut indices = vec![0; self.len];
         for (description, column) in &mut self.columns {
             if description.role == Role::Derived {
                 continue;
             }
             match column.get_mut() {
-                Values::F64(values) => gather(values, reals, order),
-                Values::U32(values) => gather(values, indices, order),
+                Values::F64(values) => gather(values, &mut reals[0], order),
+                Values::U32(values) => gather(values, &mut indices, order),
             }
         }
+        self.swap_derived(&mut reals);
     }
 
     /// Fills every Derived column with a value that shows when it is read before it is written.
@@ -174,8 +216,18 @@ pub fn bytes_of<T>(values: &Vec<T>) -> usize {
     values.capacity() * size_of::<T>()
 }
 
+/// One value in so many may be other than zero for a column to be moved value by value.
+const SPARSE: usize = 16;
+
 fn gather<T: Element>(values: &mut Vec<T>, scratch: &mut Vec<T>, order: &[u32]) {
     let source = &values[..];
+    if source.iter().filter(|value| !value.is_untouched()).count() <= source.len() / SPARSE {
+        let places = order.iter().enumerate().map(|(to, &from)| (to, source[from as usize]));
+        let moved: Vec<(usize, T)> = places.filter(|(_, value)| !value.is_untouched()).collect();
+        clear(values);
+        moved.into_iter().for_each(|(to, value)| values[to] = value);
+        return;
+    }
     crate::parallel::for_chunks(order.len(), (&mut scratch[..], order), |_, (target, order)| {
         for (target, &from) in target.iter_mut().zip(order) {
             *target = source[from as usize];

@@ -1,7 +1,7 @@
 //! Who touches which field: the wiring gives stages their handles, checks order and access, and is the
 //! one list from which storage follows.
 
-use crate::field::{Description, Element, Field, Role, Values};
+use crate::field::{Description, Element, Field, Role, Values, zeros};
 use crate::store::{Add, Read, Store, Update, Write};
 use std::marker::PhantomData;
 
@@ -86,7 +86,7 @@ impl Wiring {
         self.uses.push(Use { stage: self.stage, field: description, access });
         let known = self.entries.iter().position(|e| e.description.name == description.name);
         known.unwrap_or_else(|| {
-            let allocate = |len| T::into_values(vec![T::default(); len]);
+            let allocate = |len| T::into_values(zeros(len));
             self.entries.push(Entry { description, allocate });
             self.entries.len() - 1
         })

@@ -108,8 +108,7 @@ impl BoundaryDetect {
         let [list_r, list_z] = self.listed.map(|field| world.store.read(field));
         let size = world.store.read(self.size);
         let support = guard.support * self.packing.largest_size;
-        let area = world.arena.alloc_slice_fill_with(size.len(), |i| size[i] * size[i]);
-        let source = Particles { r: &r, z: &z, area, list_r: &list_r, list_z: &list_z, support };
+        let source = Particles { r: &r, z: &z, size: &size, list_r: &list_r, list_z: &list_z, support };
         let slack = 0.25 * WIDEST_SKIN * self.packing.largest_size;
         let mut field = guard.field.lock().expect("no stage panics while it holds the colour field");
         field.refresh(&source, world.neighbours.builds(), slack, &self.packing.domain);

@@ -34,10 +34,10 @@ pub struct ColourField {
 }
 
 impl ColourField {
-    /// Takes up the particles' present positions (m) and areas (m2). `list_build` counts the builds of
+    /// Takes up the particles' present positions and sizes (m). `list_build` counts the builds of
     /// the neighbour list, between which no particle moves farther than `most_slack` metres.
     pub fn refresh(&mut self, source: &Particles, list_build: u64, most_slack: f64, domain: &Domain) {
-        let Particles { r, z, area, list_r, list_z, support } = *source;
+        let Particles { r, z, size, list_r, list_z, support } = *source;
         self.known.clear();
         if self.list_build != list_build || self.r.is_empty() {
             self.list_build = list_build;
@@ -73,7 +73,7 @@ impl ColourField {
                 }
             };
             (self.r[k], self.z[k]) = place;
-            self.area[k] = area[source];
+            self.area[k] = size[source] * size[source];
         }
     }
 
@@ -124,8 +124,8 @@ pub struct Particles<'a> {
     pub r: &'a [f64],
     /// Present positions, m.
     pub z: &'a [f64],
-    /// Areas, m2.
-    pub area: &'a [f64],
+    /// Particle sizes, m.
+    pub size: &'a [f64],
     /// Positions when the neighbour list was built, m.
     pub list_r: &'a [f64],
     /// Positions when the neighbour list was built, m.
@@ -170,9 +170,9 @@ mod tests {
                 z.push(0.1 * f64::from(j));
             }
         }
-        let area = vec![0.01; r.len()];
+        let size = vec![0.1; r.len()];
         let mut field = ColourField::default();
-        let source = Particles { r: &r, z: &z, area: &area, list_r: &r, list_z: &z, support: 0.8 };
+        let source = Particles { r: &r, z: &z, size: &size, list_r: &r, list_z: &z, support: 0.8 };
         field.refresh(&source, 1, 0.0, &Domain { origin: 0.0, period: None });
         field
     }

@@ -8,6 +8,7 @@ use crate::surface::{BOUNDARY, NEAR_BOUNDARY};
 use crate::surface_neighbours::SurfaceNeighbours;
 use crate::surface_search::{Found, SHARPEST, Start, find};
 use atomic_refcell::AtomicRefMut;
+use meniscus_engine::field::clear;
 use meniscus_engine::parallel;
 use meniscus_engine::pipeline::{Fault, Stage, World};
 use meniscus_engine::store::{Read, Update, Write};
@@ -147,7 +148,10 @@ impl CurvatureColour {
             tangent: self.tangent.map(|tangent| tangent.map(|field| world.store.write(field))),
             offset: self.offset.map(|field| world.store.write(field)),
         };
-        let before: &[f64] = world.arena.alloc_slice_copy(&columns.pressure);
+        let (boundary, near) = (&self.boundary, &self.near_boundary);
+        let member = |k: usize| *boundary.get(k).unwrap_or_else(|| &near[k - boundary.len()]);
+        let layer = &*world.arena.alloc_slice_fill_with(boundary.len() + near.len(), member);
+        let before = world.arena.alloc_slice_fill_with(layer.len(), |k| columns.pressure[layer[k] as usize]);
         columns.clear();
         for (k, &i) in self.boundary.iter().enumerate() {
             let Found { curvature, tangent, offset } = self.found[k];
@@ -159,11 +163,10 @@ impl CurvatureColour {
             columns.set(i, &self.beside([r[i as usize], z[i as usize]]));
         }
         let mut rate = world.store.write(self.rate);
-        rate.fill(0.0);
-        for &i in self.boundary.iter().chain(&self.near_boundary) {
-            let i = i as usize;
-            if before[i] != 0.0 && elapsed > 0.0 {
-                rate[i] = (columns.pressure[i] - before[i]) / elapsed;
+        clear(&mut rate[..]);
+        for (&i, &before) in layer.iter().zip(&*before) {
+            if before != 0.0 && elapsed > 0.0 {
+                rate[i as usize] = (columns.pressure[i as usize] - before) / elapsed;
             }
         }
         world.clock.set_mark("curvature");
@@ -239,9 +242,8 @@ struct Columns<'a> {
 
 impl Columns<'_> {
     fn clear(&mut self) {
-        self.pressure.fill(0.0);
-        self.offset.iter_mut().for_each(|column| column.fill(0.0));
-        self.slope.iter_mut().chain(&mut self.tangent).flatten().for_each(|column| column.fill(0.0));
+        let others = self.slope.iter_mut().chain(&mut self.tangent).flatten().chain(&mut self.offset);
+        others.chain([&mut self.pressure]).for_each(|column| clear(&mut column[..]));
     }
 
     fn set(&mut self, particle: u32, here: &AtSurface) {

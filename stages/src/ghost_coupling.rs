@@ -2,6 +2,7 @@
 
 use crate::fields;
 use crate::surface::INSIDE;
+use meniscus_engine::field::clear;
 use meniscus_engine::parallel;
 use meniscus_engine::pipeline::{Fault, Stage, World};
 use meniscus_engine::store::{Add, Read, Write};
@@ -91,10 +92,11 @@ impl Stage for GhostCoupling {
 
         let columns = (&mut strain_rate[..], &mut force_r[..], &mut force_z[..], power.as_deref_mut());
         parallel::for_chunks(surface.len(), columns, |start, (strain_rate, force_r, force_z, mut power)| {
+            clear(force_r);
+            clear(force_z);
             for k in 0..strain_rate.len() {
                 let i = start + k;
                 if surface[i] == INSIDE {
-                    (force_r[k], force_z[k]) = (0.0, 0.0);
                     continue;
                 }
                 let laplace = tension.map_or(0.0, |(pressure, rate)| pressure[i] + elapsed * rate[i]);

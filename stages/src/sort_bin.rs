@@ -6,7 +6,7 @@ use meniscus_engine::lanes::{Lanes, WIDTH};
 use meniscus_engine::morton;
 use meniscus_engine::parallel;
 use meniscus_engine::pipeline::{Fault, Stage, World};
-use meniscus_engine::store::{Read, Update, bytes_of};
+use meniscus_engine::store::{Read, Update};
 use meniscus_engine::wiring::Wiring;
 use std::f64::consts::PI;
 
@@ -32,8 +32,6 @@ pub struct SortBin {
     density: Read<f64>,
     mass: Read<f64>,
     listed: [Update<f64>; 3],
-    keys: Vec<(u64, u32)>,
-    order: Vec<u32>,
 }
 
 impl SortBin {
@@ -47,8 +45,6 @@ impl SortBin {
             density: wiring.read(&fields::DENSITY),
             mass: wiring.read(&fields::MASS),
             listed: listed.map(|field| wiring.update(field)),
-            keys: Vec::new(),
-            order: Vec::new(),
         }
     }
 
@@ -78,8 +74,13 @@ impl SortBin {
     }
 
     fn build(&self, world: &mut World) {
-        let [r, z, reach] = self.listed.map(|field| world.store.write(field));
-        world.neighbours.build(&r, &z, &reach, &self.packing.domain);
+        // This is the first stage: Derived columns hold nothing yet.
+        world.store.swap_derived(&mut world.neighbours.scratch);
+        let listed = self.listed.map(|field| world.store.write(field));
+        let [r, z, reach] = listed.each_ref().map(|column| &column[..]);
+        world.neighbours.build(r, z, reach, &self.packing.domain);
+        drop(listed);
+        world.store.swap_derived(&mut world.neighbours.scratch);
     }
 
     /// The skin that costs least if particles go on as since the last build, m.
@@ -97,9 +98,9 @@ impl SortBin {
     }
 
     /// Wraps a periodic domain, sorts, and notes where the list is built.
-    fn renew(&mut self, world: &mut World) {
+    fn renew(&self, world: &mut World) {
         let skin = self.best_skin(world);
-        let misplaced = {
+        let order = {
             let [r, mut z] = self.position.map(|field| world.store.write(field));
             if let Some((bottom, length)) = self.packing.domain.period {
                 for z in z.iter_mut() {
@@ -114,10 +115,10 @@ impl SortBin {
                 *reach = self.packing.reach(r[i], density[i], mass[i]) + 0.5 * skin;
             }
             let cell = parallel::maximum(r.len(), |i| list_reach[i]);
-            morton::order(&r, &z, cell, &mut self.keys, &mut self.order)
+            morton::order(&r, &z, cell)
         };
-        if misplaced {
-            world.store.permute(&self.order);
+        if let Some(order) = order {
+            world.store.permute(&order);
         }
         world.clock.set_mark("list");
         self.build(world);
@@ -127,10 +128,6 @@ impl SortBin {
 impl Stage for SortBin {
     fn name(&self) -> &'static str {
         "sort-bin"
-    }
-
-    fn bytes(&self) -> usize {
-        bytes_of(&self.keys) + bytes_of(&self.order)
     }
 
     fn run(&mut self, world: &mut World) -> Result<(), Fault> {

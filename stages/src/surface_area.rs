@@ -18,6 +18,7 @@ use crate::equation_of_state::Packing;
 use crate::fields;
 use crate::moment::Moment;
 use crate::surface::{BOUNDARY, INSIDE};
+use meniscus_engine::field::clear;
 use meniscus_engine::parallel;
 use meniscus_engine::pipeline::{Fault, Stage, World};
 use meniscus_engine::store::{Add, Read, Update};
@@ -123,7 +124,7 @@ impl Stage for SurfaceArea {
             self.measure();
             for (axis, field) in self.lack.into_iter().enumerate() {
                 let mut lack = world.store.write(field);
-                lack.fill(0.0);
+                clear(&mut lack[..]);
                 for (&i, found) in self.numbers.iter().zip(&self.found) {
                     lack[i as usize] = found[axis];
                 }

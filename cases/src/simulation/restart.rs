@@ -19,23 +19,44 @@ impl Simulation {
     /// The whole state: every State column in memory order, the clock with its marks, and the scene's
     /// effective text.
     pub fn checkpoint(&self, scene: &Scene) -> Checkpoint {
-        let store = &self.world.store;
-        let state = store.columns().filter(|(d, _)| d.role == Role::State);
-        Checkpoint {
-            clock: written_clock(&self.world.clock),
-            scene: scene.text.clone(),
-            revision: env!("CARGO_PKG_VERSION").to_owned(),
-            columns: state.map(|(d, values)| column(d, &values)).collect(),
-        }
+        self.with_checkpoint(scene, Checkpoint::clone)
     }
 
-    /// The state in which a run broke down, with all that was computed up to there, and why it did.
-    pub fn crash_checkpoint(&self, scene: &Scene, fault: &Fault) -> Checkpoint {
-        let mut checkpoint = self.checkpoint(scene);
-        let derived = self.world.store.columns().filter(|(d, _)| d.role == Role::Derived);
-        checkpoint.columns.extend(derived.map(|(d, values)| column(d, &values)));
-        checkpoint.clock.scalars.extend(crash::written(fault));
-        checkpoint
+    /// Shows the whole state, whose columns need no second memory for that.
+    pub fn with_checkpoint<R>(&self, scene: &Scene, look: impl FnOnce(&Checkpoint) -> R) -> R {
+        self.lend(scene, Vec::new(), false, look)
+    }
+
+    /// Shows the state in which a run broke down, with all that was computed up to there, and why it did.
+    pub fn with_crash_checkpoint<R>(
+        &self,
+        scene: &Scene,
+        fault: &Fault,
+        look: impl FnOnce(&Checkpoint) -> R,
+    ) -> R {
+        self.lend(scene, crash::written(fault).into(), true, look)
+    }
+
+    /// Shows the state with more numbers on its clock.
+    pub(super) fn lend<R>(
+        &self,
+        scene: &Scene,
+        scalars: Vec<(String, f64)>,
+        with_derived: bool,
+        look: impl FnOnce(&Checkpoint) -> R,
+    ) -> R {
+        let mut clock = written_clock(&self.world.clock);
+        clock.scalars.extend(scalars);
+        self.world.store.lend(with_derived, |columns| {
+            let checkpoint = Checkpoint {
+                clock,
+                scene: scene.text.clone(),
+                revision: env!("CARGO_PKG_VERSION").to_owned(),
+                columns: columns.into_iter().map(column).collect(),
+            };
+            let result = look(&checkpoint);
+            (result, checkpoint.columns.into_iter().map(|column| values(column.data)).collect())
+        })
     }
 
     /// Continues from a checkpoint of the scene, bit for bit as if there had been no interruption.
@@ -61,7 +82,7 @@ impl Simulation {
     }
 }
 
-fn column(description: Description, values: &Values) -> Column {
+fn column((description, values): (Description, Values)) -> Column {
     Column {
         name: description.name.to_owned(),
         symbol: description.symbol.to_owned(),
@@ -72,9 +93,16 @@ fn column(description: Description, values: &Values) -> Column {
             Role::Derived => checkpoint::Role::Derived,
         },
         data: match values {
-            Values::F64(values) => Data::F64(values.clone()),
-            Values::U32(values) => Data::U32(values.clone()),
+            Values::F64(values) => Data::F64(values),
+            Values::U32(values) => Data::U32(values),
         },
+    }
+}
+
+fn values(data: Data) -> Values {
+    match data {
+        Data::F64(values) => Values::F64(values),
+        Data::U32(values) => Values::U32(values),
     }
 }
 

@@ -5,7 +5,6 @@ use crate::assemble::Physics;
 use crate::packing::{PackingOptions, pack};
 use crate::scene::{Flux, Precision, Scene};
 use meniscus_engine::checkpoint::Checkpoint;
-use meniscus_engine::field::{Role, Values};
 use meniscus_engine::store::Store;
 use meniscus_stages::fields;
 use std::f64::consts::PI;
@@ -25,12 +24,21 @@ pub(super) struct Seeds {
     z: Vec<f64>,
     mass: Vec<f64>,
     density: Vec<f64>,
-    /// Specific internal energy, J/kg.
+    /// Specific internal energy, J/kg; empty where the equation of state needs none.
     energy: Vec<f64>,
-    body: Vec<usize>,
+    /// Number of the body, of every particle.
+    body: Vec<u32>,
 }
 
-fn seed(scene: &Scene) -> Result<Seeds, StartError> {
+impl Seeds {
+    /// Keeps what a particle has been given for good; the store knows the rest.
+    fn forget_places(&mut self) {
+        let Seeds { energy, body, .. } = std::mem::take(self);
+        *self = Seeds { energy, body, ..Seeds::default() };
+    }
+}
+
+fn seed(scene: &Scene, with_energy: bool) -> Result<Seeds, StartError> {
     let mut seeds = Seeds::default();
     let origin = scene.domain.origin;
     for (k, body) in scene.bodies.iter().enumerate() {
@@ -46,9 +54,11 @@ fn seed(scene: &Scene) -> Result<Seeds, StartError> {
         let mass = |(r, area): (&f64, &f64)| density * 2.0 * PI * (r + origin) * area;
         seeds.mass.extend(packing.r.iter().zip(&packing.area).map(mass));
         let energy = |(r, z): (&f64, &f64)| body.internal_energy.at(*r, *z);
-        seeds.energy.extend(packing.r.iter().zip(&packing.z).map(energy));
+        if with_energy {
+            seeds.energy.extend(packing.r.iter().zip(&packing.z).map(energy));
+        }
         seeds.density.extend(std::iter::repeat_n(density, packing.r.len()));
-        seeds.body.extend(std::iter::repeat_n(k, packing.r.len()));
+        seeds.body.extend(std::iter::repeat_n(k as u32, packing.r.len()));
         seeds.r.extend(packing.r);
         seeds.z.extend(packing.z);
     }
@@ -56,7 +66,7 @@ fn seed(scene: &Scene) -> Result<Seeds, StartError> {
 }
 
 pub(super) fn place(store: &mut Store, seeds: &Seeds) {
-    let count = seeds.r.len();
+    let count = seeds.body.len();
     let identity: Vec<u32> = (0..count as u32).collect();
     store.set(fields::IDENTITY.description.name, &identity);
     store.set(fields::RADIUS.description.name, &seeds.r);
@@ -64,7 +74,6 @@ pub(super) fn place(store: &mut Store, seeds: &Seeds) {
     store.set(fields::MASS.description.name, &seeds.mass);
     store.set(fields::DENSITY.description.name, &seeds.density);
     store.set(fields::TOTAL_ENERGY.description.name, &seeds.energy);
-    store.set(fields::KERNEL_SCALE.description.name, &vec![1.0; count]);
 }
 
 /// Particles that settle: at rest, with the first-order flux and damped, on a clock of their own.
@@ -86,7 +95,10 @@ impl Settling {
     pub fn begin(scene: &Scene) -> Result<Self, StartError> {
         let mut settling = Self::fill(scene)?;
         if settling.end > 0.0 && settling.physics.surface_tension > 0.0 {
-            let mut rest = Simulation::of_seeds(&slow(&settling.physics), &settling.seeds)?;
+            let seeds = &mut settling.seeds;
+            let mut rest = Simulation::of_count(&slow(&settling.physics), seeds.body.len())?;
+            place(&mut rest.world.store, seeds);
+            seeds.forget_places();
             rest.begin().map_err(StartError::Settling)?;
             settling.rest = Some(rest);
         }
@@ -102,8 +114,9 @@ impl Settling {
         let mut state = checkpoint.clone();
         state.clock.scalars.retain(|(name, _)| name != MARK);
         let rest = Simulation::restore(&slow(&settling.physics), scene.domain.origin, &state)?;
-        if rest.world.store.len() != settling.seeds.r.len() {
-            let (found, expected) = (rest.world.store.len(), settling.seeds.r.len());
+        settling.seeds.forget_places();
+        if rest.world.store.len() != settling.seeds.body.len() {
+            let (found, expected) = (rest.world.store.len(), settling.seeds.body.len());
             let problem = format!("it holds {found} settling particles, the scene {expected}");
             return Err(StartError::Checkpoint(problem));
         }
@@ -117,9 +130,10 @@ impl Settling {
     }
 
     fn fill(scene: &Scene) -> Result<Self, StartError> {
+        let physics = Physics::of(scene);
         Ok(Settling {
-            physics: Physics::of(scene),
-            seeds: seed(scene)?,
+            seeds: seed(scene, physics.equation.with_energy())?,
+            physics,
             rest: None,
             unit: Simulation::capillary_time(scene),
             end: scene.settle.unwrap_or(SETTLE),
@@ -158,11 +172,10 @@ impl Settling {
         Ok(())
     }
 
-    /// The whole state; none where nothing settles.
-    pub fn checkpoint(&self, scene: &Scene) -> Option<Checkpoint> {
-        let mut checkpoint = self.rest.as_ref()?.checkpoint(scene);
-        checkpoint.clock.scalars.push((MARK.to_owned(), 1.0));
-        Some(checkpoint)
+    /// Shows the whole state; none where nothing settles.
+    pub fn with_checkpoint<R>(&self, scene: &Scene, look: impl FnOnce(&Checkpoint) -> R) -> Option<R> {
+        let mark = vec![(MARK.to_owned(), 1.0)];
+        self.rest.as_ref().map(|rest| rest.lend(scene, mark, false, look))
     }
 
     /// The scene at the start of its clock: the settled particles with their initial velocities.
@@ -170,11 +183,15 @@ impl Settling {
     /// # Errors
     /// A first state that is none.
     pub fn finish(self, scene: &Scene) -> Result<Simulation, StartError> {
-        let mut simulation = Simulation::of_seeds(&self.physics, &self.seeds)?;
-        if let Some(rest) = &self.rest {
-            simulation.adopt(&rest.world.store);
+        let Settling { physics, seeds, rest, .. } = self;
+        // All but the particles themselves makes room first.
+        let settled = rest.map(|rest| rest.world.store);
+        let mut simulation = Simulation::of_count(&physics, seeds.body.len())?;
+        match settled {
+            Some(mut settled) => simulation.adopt(&mut settled),
+            None => place(&mut simulation.world.store, &seeds),
         }
-        simulation.set_velocities(scene, &self.seeds);
+        simulation.set_velocities(scene, &seeds);
         simulation.begin().map_err(StartError::Settling)?;
         Ok(simulation)
     }
@@ -204,13 +221,8 @@ impl Simulation {
     }
 
     /// Takes over the State of another run that this one keeps, too.
-    fn adopt(&mut self, other: &Store) {
-        for (description, values) in other.columns().filter(|(d, _)| d.role == Role::State) {
-            match &*values {
-                Values::F64(values) => self.world.store.set(description.name, values),
-                Values::U32(values) => self.world.store.set(description.name, values),
-            };
-        }
+    fn adopt(&mut self, other: &mut Store) {
+        self.world.store.adopt(other);
         // The neighbour list is another run's: this one makes its own.
         let count = self.world.store.len();
         self.world.store.set(fields::LIST_REACH.description.name, &vec![0.0; count]);
@@ -224,15 +236,16 @@ impl Simulation {
         let identity = store.by_name::<u32>(fields::IDENTITY.description.name).map(|v| v.to_vec());
         let identity = identity.unwrap_or_default();
         let velocity = |i: usize| {
-            let body = &scene.bodies[seeds.body[identity[i] as usize]];
+            let body = &scene.bodies[seeds.body[identity[i] as usize] as usize];
             body.velocity.at(r[i], z[i])
         };
         let (radial, axial): (Vec<f64>, Vec<f64>) = (0..r.len()).map(|i| velocity(i).into()).unzip();
-        // Only an equation of state that needs the energy has a column for it.
-        let kinetic = |i: usize| 0.5 * (radial[i] * radial[i] + axial[i] * axial[i]);
-        let total = |i: usize| seeds.energy[identity[i] as usize] + kinetic(i);
-        let total: Vec<f64> = (0..r.len()).map(total).collect();
-        store.set(fields::TOTAL_ENERGY.description.name, &total);
+        if !seeds.energy.is_empty() {
+            let kinetic = |i: usize| 0.5 * (radial[i] * radial[i] + axial[i] * axial[i]);
+            let total = |i: usize| seeds.energy[identity[i] as usize] + kinetic(i);
+            let total: Vec<f64> = (0..r.len()).map(total).collect();
+            store.set(fields::TOTAL_ENERGY.description.name, &total);
+        }
         store.set(fields::VELOCITY_R.description.name, &radial);
         store.set(fields::VELOCITY_Z.description.name, &axial);
     }

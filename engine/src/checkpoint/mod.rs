@@ -38,4 +38,4 @@ pub use header::FORMAT_VERSION;
 pub use mapped::{ColumnView, Mapped};
 pub use read::{parse, read};
 pub use types::{Checkpoint, Clock, Column, Data, Role};
-pub use write::write;
+pub use write::{Unfinished, begin, write};

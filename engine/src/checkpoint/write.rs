@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::io::{self, BufWriter, Seek, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use rkyv::api::high::HighSerializer;
 use rkyv::rancor::BoxedError;
@@ -19,6 +19,14 @@ use super::types::{Checkpoint, Preface};
 /// Ending of the names of files not yet finished.
 pub(super) const UNFINISHED: &str = ".unfinished";
 
+/// A checkpoint that is written, but may not yet lie on the disk, under a name that nobody reads. Unless it is
+/// finished it vanishes.
+#[derive(Debug)]
+pub struct Unfinished {
+    file: tempfile::NamedTempFile,
+    path: PathBuf,
+}
+
 /// Writes a checkpoint: into a temporary file of the same folder, which takes the name `path` only
 /// when it lies complete on the disk. The columns are streamed, so hardly any memory is needed.
 ///
@@ -26,19 +34,43 @@ pub(super) const UNFINISHED: &str = ".unfinished";
 /// Columns of unequal length or equal name, and whatever the file system refuses; a file that
 /// `path` named before is then still there, unchanged.
 pub fn write(path: &Path, checkpoint: &Checkpoint) -> Result<(), CheckpointError> {
+    begin(path, checkpoint)?.finish()
+}
+
+/// Hands a checkpoint to the system, which is quick, without waiting for the disk. Then the particles may go on.
+///
+/// # Errors
+/// As for [`write()`].
+pub fn begin(path: &Path, checkpoint: &Checkpoint) -> Result<Unfinished, CheckpointError> {
     let lengths = checkpoint.columns.iter();
     check_columns(path, lengths.map(|column| (column.name.as_str(), column.data.len())))?;
-    let folder = match path.parent() {
+    let folder = folder_of(path);
+    let mut file =
+        temporary_file(folder).map_err(CheckpointError::io(folder, "create a file in the folder"))?;
+    fill(file.as_file_mut(), checkpoint).map_err(CheckpointError::io(path, "write the checkpoint"))?;
+    Ok(Unfinished { file, path: path.to_path_buf() })
+}
+
+impl Unfinished {
+    /// Waits until the checkpoint lies on the disk and gives it its name.
+    ///
+    /// # Errors
+    /// Whatever the file system refuses.
+    pub fn finish(self) -> Result<(), CheckpointError> {
+        let Unfinished { file, path } = self;
+        file.as_file().sync_all().map_err(CheckpointError::io(&path, "write the checkpoint"))?;
+        file.persist(&path)
+            .map_err(|error| CheckpointError::io(&path, "rename the finished file")(error.error))?;
+        let folder = folder_of(&path);
+        flush_folder(folder).map_err(CheckpointError::io(folder, "flush the folder to the disk"))
+    }
+}
+
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
-    };
-    let mut temporary =
-        temporary_file(folder).map_err(CheckpointError::io(folder, "create a file in the folder"))?;
-    fill(temporary.as_file_mut(), checkpoint).map_err(CheckpointError::io(path, "write the checkpoint"))?;
-    temporary
-        .persist(path)
-        .map_err(|error| CheckpointError::io(path, "rename the finished file")(error.error))?;
-    flush_folder(folder).map_err(CheckpointError::io(folder, "flush the folder to the disk"))
+    }
 }
 
 fn temporary_file(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
@@ -69,8 +101,7 @@ fn fill(file: &mut File, checkpoint: &Checkpoint) -> io::Result<()> {
     output.flush()?;
     drop(output);
     file.rewind()?;
-    file.write_all(&header.encode())?;
-    file.sync_all()
+    file.write_all(&header.encode())
 }
 
 /// Streams one archive and its padding.

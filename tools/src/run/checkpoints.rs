@@ -1,4 +1,4 @@
-//! The checkpoints of a run: written from a snapshot while the run goes on.
+//! The checkpoints of a run: handed to the system at once, brought to the disk while the run goes on.
 
 use std::fs::{self, File};
 use std::io;
@@ -6,7 +6,9 @@ use std::path::Path;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use meniscus_engine::checkpoint::{self, Checkpoint, CheckpointError};
+use meniscus_cases::scene::Scene;
+use meniscus_cases::simulation::{Settling, Simulation};
+use meniscus_engine::checkpoint::{self, CheckpointError};
 
 use crate::failure::Failure;
 use crate::output::OutputError;
@@ -41,25 +43,39 @@ impl Checkpoints {
     /// it are on the disk first: a resumed run goes on with them.
     ///
     /// # Errors
-    /// What went wrong with the checkpoint before.
-    pub(super) fn write(&mut self, checkpoint: Checkpoint, series: Option<File>) -> Written {
+    /// What went wrong with this checkpoint or the one before.
+    pub(super) fn write(
+        &mut self,
+        (simulation, scene): (&Simulation, &Scene),
+        series: Option<File>,
+    ) -> Written {
+        self.finish()?;
         let (folder, path) = (self.folder.checkpoints(), self.folder.series());
+        let name = folder.join(checkpoint::file_name(simulation.world.clock.step));
+        let unfinished = simulation.with_checkpoint(scene, |state| checkpoint::begin(&name, state))?;
         let settling = self.folder.settling();
         self.start(move || {
             series.map_or(Ok(()), |file| file.sync_data()).map_err(OutputError::file("write", &path))?;
-            checkpoint::write(&folder.join(checkpoint::file_name(checkpoint.clock.step)), &checkpoint)?;
+            unfinished.finish()?;
             checkpoint::keep_last(&folder, KEPT)?;
             Ok(remove(&settling)?)
         })
     }
 
-    /// Writes a checkpoint of particles that settle, over the one before.
+    /// Writes a checkpoint of particles that settle, over the one before; none where nothing settles.
     ///
     /// # Errors
     /// What went wrong with the checkpoint before.
-    pub(super) fn write_settling(&mut self, checkpoint: Checkpoint) -> Written {
+    pub(super) fn write_settling(&mut self, settling: &Settling, scene: &Scene) -> Written {
+        self.finish()?;
         let path = self.folder.settling();
-        self.start(move || Ok(checkpoint::write(&path, &checkpoint)?))
+        match settling.with_checkpoint(scene, |state| checkpoint::begin(&path, state)) {
+            Some(unfinished) => {
+                let unfinished = unfinished?;
+                self.start(move || Ok(unfinished.finish()?))
+            }
+            None => Ok(()),
+        }
     }
 
     /// Waits until all that was to be written lies on the disk.
@@ -75,7 +91,6 @@ impl Checkpoints {
     }
 
     fn start(&mut self, work: impl FnOnce() -> Written + Send + 'static) -> Written {
-        self.finish()?;
         self.last = Instant::now();
         self.pending = Some(std::thread::spawn(work));
         Ok(())

@@ -129,7 +129,7 @@ impl<'a> Recorder<'a> {
     /// Begins to write a checkpoint, and then removes the oldest ones.
     pub(super) fn checkpoint(&mut self, simulation: &Simulation) -> Result<(), Failure> {
         let series = self.series.as_ref().map(SeriesWriter::file).transpose()?;
-        self.checkpoints.write(simulation.checkpoint(self.scene), series)
+        self.checkpoints.write((simulation, self.scene), series)
     }
 
     /// Waits until the last checkpoint lies on the disk.
@@ -141,7 +141,7 @@ impl<'a> Recorder<'a> {
     pub(super) fn crash_checkpoint(&self, simulation: &Simulation, fault: &Fault) -> Result<String, Failure> {
         let name = checkpoint::crash_file_name(simulation.world.clock.step);
         let path = self.folder.checkpoints().join(name);
-        checkpoint::write(&path, &simulation.crash_checkpoint(self.scene, fault))?;
+        simulation.with_crash_checkpoint(self.scene, fault, |state| checkpoint::write(&path, state))?;
         Ok(path.display().to_string())
     }
 }

@@ -16,10 +16,8 @@ impl Run {
         while !settling.is_over() {
             let (stop, asked) = (self.signals.stop(), self.signals.take_checkpoint());
             let due = every > 0 && settling.steps() > 0 && settling.steps().is_multiple_of(every);
-            if (stop || asked || due || checkpoints.are_overdue())
-                && let Some(checkpoint) = settling.checkpoint(&self.scene)
-            {
-                checkpoints.write_settling(checkpoint)?;
+            if stop || asked || due || checkpoints.are_overdue() {
+                checkpoints.write_settling(&settling, &self.scene)?;
             }
             if stop {
                 checkpoints.finish()?;

@@ -92,7 +92,7 @@ fn settling_can_be_interrupted() {
     for _ in 0..17 {
         settling.step().unwrap();
     }
-    let half = settling.checkpoint(&scene).unwrap();
+    let half = settling.with_checkpoint(&scene, Checkpoint::clone).unwrap();
     assert!(Settling::wrote(&half) && !Settling::wrote(&whole));
     assert!(Simulation::resume(&scene, &half).is_err(), "settling particles are no run");
     let rest = with_threads(2, || {
