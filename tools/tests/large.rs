@@ -1,4 +1,5 @@
-//! A checkpoint of one gigabyte: header and clock are told at once, statistics take little memory.
+//! A checkpoint of one gigabyte: header and clock are told at once, statistics take little memory. A run of a
+//! million particles: how much memory it takes at most.
 //!
 //! ```text
 //! cargo test --release -p meniscus --test large -- --ignored --nocapture
@@ -32,10 +33,11 @@ fn children() -> Duration {
     Duration::from_millis(10 * ticks)
 }
 
-fn inspect(arguments: &[&str]) -> Cost {
+fn cost_of(arguments: &[&str]) -> Cost {
     let (before, start) = (children(), Instant::now());
     let mut command = Command::new(env!("CARGO_BIN_EXE_meniscus"));
-    let mut child = command.arg("inspect").args(arguments).stdout(Stdio::null()).spawn().unwrap();
+    let command = command.args(arguments).stdout(Stdio::null()).stderr(Stdio::null());
+    let mut child = command.spawn().unwrap();
     let mut memory = 0;
     while child.try_wait().unwrap().is_none() {
         let status = fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap_or_default();
@@ -46,8 +48,12 @@ fn inspect(arguments: &[&str]) -> Cost {
     }
     assert!(child.wait().unwrap().success());
     let cost = Cost { elapsed: start.elapsed(), processor: children() - before, memory };
-    println!("inspect {}: {cost:?}", arguments[0]);
+    println!("{}: {cost:?}", arguments[..2].join(" "));
     cost
+}
+
+fn inspect(arguments: &[&str]) -> Cost {
+    cost_of(&[&["inspect"], arguments].concat())
 }
 
 fn write_large(path: &Path) {
@@ -88,4 +94,37 @@ fn a_gigabyte_is_told_at_once_and_streamed() {
         2e-9 * length as f64 / fields.elapsed.as_secs_f64()
     );
     inspect(&["fields", path, "field_3"]);
+}
+
+/// A drop of a million particles that are placed, settle for some steps, and run with checkpoints.
+const MILLION: &str = r#"format = 1
+title = "A drop of a million particles"
+[liquid]
+density = "1000 kg/m3"
+surface_tension = "0.074 N/m"
+[[body]]
+shape = { sphere = { radius = "1 um" } }
+velocity = { r = "-0.1 m/s * r/(1 um)", z = "0.2 m/s * z/(1 um)" }
+[particles]
+size = "1 um/797.9"
+settle = 0.0001
+[run]
+until = "1 s"
+steps = 40
+[output]
+frames = 0
+checkpoint_every = 20
+"#;
+
+/// From the first particle to the last checkpoint, the program itself included.
+#[test]
+#[ignore = "takes minutes"]
+fn a_particle_takes_at_most_seven_hundred_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let (scene, out) = (folder.path().join("million.toml"), folder.path().join("run"));
+    fs::write(&scene, MILLION).unwrap();
+    let cost = cost_of(&["run", scene.to_str().unwrap(), "--out", out.to_str().unwrap(), "--threads", "1"]);
+    let bytes = 1024.0 * cost.memory as f64 / 1e6;
+    println!("{bytes} bytes a particle");
+    assert!(bytes <= 700.0);
 }
