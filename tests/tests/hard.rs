@@ -135,6 +135,35 @@ fn a_long_drop_shoots_past_the_sphere_and_comes_back() {
     for size in ["90 nm", "75 nm", "66.7 nm"] {
         survive_with_tension("oscillating-drop/hard.toml", &[&format!("particle_size=\"{size}\"")], surface);
     }
+    // Settling rounds it: without, it starts as long as it is.
+    let settings = ["particle_size=\"90 nm\"", "particles.settle=0"];
+    survive_with_tension("oscillating-drop/hard.toml", &settings, surface);
+}
+
+#[test]
+fn a_drop_swings_at_a_large_amplitude() {
+    let (radial, axial) = (2.5e-6 * 1.5_f64.powf(-1.0 / 3.0), 2.5e-6 * 1.5_f64.powf(2.0 / 3.0));
+    let eccentricity = (1.0 - (radial / axial).powi(2)).sqrt();
+    let surface = 2.0 * PI * radial * (radial + axial / eccentricity * eccentricity.asin());
+    let settings = ["particle_size=radius/12", "periods=2"];
+    survive_with_tension("large-amplitude-drop/scene.toml", &settings, surface);
+}
+
+#[test]
+fn touching_drops_become_one() {
+    for ratio in [1.0, 0.5] {
+        let surface = 4.0 * PI * 1e-10 * (1.0 + ratio * ratio);
+        let settings = [&format!("ratio={ratio}")[..], "particle_size=radius/14", "times=1.5"];
+        survive_with_tension("drop-coalescence/scene.toml", &settings, surface);
+    }
+}
+
+#[test]
+fn equal_drops_meet_head_on() {
+    for weber in ["weber=5", "weber=30"] {
+        let settings = [weber, "particle_size=radius/12", "times=1.5"];
+        survive_with_tension("equal-drop-impact/scene.toml", &settings, 8.0 * PI * 1e-10);
+    }
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! The columns that a scene's measures are made from.
 
-use super::{film, flow, jet, observe::Quantity};
+use super::{film, flow, jet, large, neck, observe::Quantity, spread};
 use crate::scene::Measure;
 
 /// The name of the `index`-th of several equal ones: the first one stays plain.
@@ -29,7 +29,11 @@ fn names(measure: &Measure) -> &'static [(&'static str, &'static str)] {
         Measure::SpuriousVelocity { .. } => &[("spurious velocity", "1")],
         Measure::GrowthRate { .. } => &jet::COLUMNS,
         Measure::FilmRetraction { .. } => &film::COLUMNS,
-        Measure::MomentumDrift | Measure::EnergyDrift => &[],
+        Measure::MomentumDrift | Measure::EnergyDrift | Measure::EnergyGain => &[],
+        Measure::LargeOscillation { .. } => &large::COLUMNS,
+        Measure::Spread { .. } => &spread::COLUMNS,
+        Measure::Coalescence { .. } => &neck::BRIDGE,
+        Measure::PinchOff { .. } => &neck::THREAD,
         Measure::SemiAxis { .. } => &flow::SEMI_AXES,
         Measure::PlateauDensity { .. } => &flow::PLATEAU,
         Measure::ShockSpeed { .. } => &flow::SHOCK,

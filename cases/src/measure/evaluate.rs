@@ -6,7 +6,7 @@ use super::fit::{self, Oscillation};
 use super::history::History;
 use super::spheroid::Spheroid;
 use super::viscous::Mode;
-use super::{film, flow, jet};
+use super::{energy, film, flow, jet, large, neck, spread};
 use crate::scene::{Measure, Scene};
 use std::f64::consts::PI;
 
@@ -86,7 +86,22 @@ pub fn evaluate(scene: &Scene, history: &History) -> Vec<Outcome> {
                 film::evaluate(history, &columns, &scene.liquid, thickness)
             }
             Measure::MomentumDrift => vec![momentum_drift(history)],
-            Measure::EnergyDrift => vec![energy_drift(scene, history)],
+            Measure::EnergyDrift => vec![energy::drift(scene, history)],
+            Measure::EnergyGain => vec![energy::gain(scene, history)],
+            Measure::LargeOscillation { radial, axial, speed } => {
+                let start = large::Start { radial, axial, speed };
+                large::evaluate(history, &column, &scene.liquid, start)
+            }
+            Measure::Spread { radius, speed } => {
+                spread::evaluate(history, &column, &scene.liquid, (radius, speed))
+            }
+            Measure::Coalescence { radius, other } => {
+                neck::evaluate_bridge(history, &column, &scene.liquid, [radius, other])
+            }
+            Measure::PinchOff { radius } => {
+                let sizes = [radius, scene.particle_size];
+                neck::evaluate_thread(history, &column, &scene.liquid, sizes)
+            }
             Measure::SemiAxis { radial, axial, shear, stiffness } => {
                 let start = Spheroid { radial, axial, shear, stiffness };
                 flow::evaluate_semi_axes(history, &columns, start)
@@ -134,7 +149,7 @@ fn oscillation(
 }
 
 /// Largest distance of a series from its first value.
-fn largest_change(values: &[f64]) -> Option<f64> {
+pub(super) fn largest_change(values: &[f64]) -> Option<f64> {
     let first = *values.first()?;
     values.get(1)?;
     Some(values.iter().fold(0.0, |most: f64, value| most.max((value - first).abs())))
@@ -149,32 +164,6 @@ fn momentum_drift(history: &History) -> Outcome {
     let scale = scale.filter(|scale| *scale > 0.0);
     let drift = largest_change(&history.of("momentum z")).zip(scale).map(|(change, scale)| change / scale);
     Outcome::of("momentum-drift".to_owned(), drift, "1").against(0.0)
-}
-
-/// Largest change of the energy over the kinetic energy at the start.
-fn energy_drift(scene: &Scene, history: &History) -> Outcome {
-    let (name, scale) = ("energy-drift".to_owned(), history.of("kinetic energy").first().copied());
-    let Some(energy) = energies(scene, history) else {
-        let doubt = "the energy of the surface is not known: there is no `energy-drift`";
-        let outcome = Outcome::of(name, None, "1").against(0.0);
-        return Outcome { doubt: Some(doubt.to_owned()), ..outcome };
-    };
-    let drift = largest_change(&energy).zip(scale.filter(|scale| *scale > 0.0));
-    Outcome::of(name, drift.map(|(change, scale)| change / scale), "1").against(0.0)
-}
-
-/// Kinetic, internal and surface energy; `None` where surface tension acts on a liquid whose surface is not
-/// known.
-fn energies(scene: &Scene, history: &History) -> Option<Vec<f64>> {
-    let mut energy = history.of("kinetic energy");
-    let mut parts = vec![history.of("internal energy")];
-    if scene.liquid.surface_tension > 0.0 {
-        parts.push(history.of("surface energy"));
-    }
-    for part in &parts {
-        energy.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
-    }
-    parts.iter().all(|part| part.len() == energy.len()).then_some(energy)
 }
 
 fn moves(history: &History) -> bool {
@@ -200,7 +189,7 @@ pub fn conservation(scene: &Scene, history: &History) -> [f64; 3] {
     let scale = scale.iter().fold(0.0f64, |most, value| most.max(*value));
     let (momentum, _) = change(&history.of("momentum z"));
     let momentum = if momentum == 0.0 { 0.0 } else { momentum / scale };
-    let energy = energies(scene, history).map(|energy| change(&energy));
+    let energy = energy::energies(scene, history).map(|energy| change(&energy));
     let energy = energy.map_or(f64::NAN, |(change, scale)| change / scale);
     let (mass, mass_scale) = change(&history.of("mass"));
     [momentum, energy, mass / mass_scale]

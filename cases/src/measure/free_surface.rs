@@ -18,16 +18,21 @@ const CLOSE: f64 = 0.5;
 /// Every boundary particle knows the way to the surface: where it ends lies a point of the surface. What lies
 /// halfway to the next such point on either side, turned about the axis, is its share.
 pub(super) fn area(store: &Store, physics: &Physics) -> Option<f64> {
+    let (foot_r, foot_z) = feet(store)?;
+    let points = Points::new(foot_r, foot_z, REACH * physics.particle_size, &physics.domain);
+    let shares = (0..points.count).map(|point| points.share(point, physics.domain.origin));
+    Some(shares.sum())
+}
+
+/// The points of the surface, r and z in m; `None` where the pipeline doesn't look for them.
+pub(super) fn feet(store: &Store) -> Option<(Vec<f64>, Vec<f64>)> {
     let column = |name: &str| store.by_name::<f64>(name);
     let (r, z) = (column(fields::RADIUS.description.name)?, column(fields::AXIAL.description.name)?);
     let offset_r = column(fields::SURFACE_OFFSET_R.description.name)?;
     let offset_z = column(fields::SURFACE_OFFSET_Z.description.name)?;
     let surface = store.by_name::<u32>(fields::SURFACE.description.name)?;
     let boundary = (0..r.len()).filter(|&i| surface[i] == BOUNDARY);
-    let (foot_r, foot_z) = boundary.map(|i| (r[i] + offset_r[i], z[i] + offset_z[i])).unzip();
-    let points = Points::new(foot_r, foot_z, REACH * physics.particle_size, &physics.domain);
-    let shares = (0..points.count).map(|point| points.share(point, physics.domain.origin));
-    Some(shares.sum())
+    Some(boundary.map(|i| (r[i] + offset_r[i], z[i] + offset_z[i])).unzip())
 }
 
 /// Points of the surface in the plane and then their images, m.

@@ -1,6 +1,7 @@
 //! What a run is measured by: observations on the way, fits at the end, exact solutions to compare with.
 
 mod columns;
+mod energy;
 mod evaluate;
 pub mod exact;
 mod film;
@@ -10,8 +11,12 @@ mod free_surface;
 pub mod growth;
 mod history;
 mod jet;
+pub mod large;
+mod neck;
 mod observe;
+pub mod potential;
 pub mod spheroid;
+mod spread;
 mod surface;
 #[cfg(test)]
 mod tests;

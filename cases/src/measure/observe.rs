@@ -3,7 +3,7 @@
 use super::columns::{columns_of, with_index};
 use super::exact::Drop;
 use super::surface::Surface;
-use super::{film, flow, jet};
+use super::{film, flow, free_surface, jet, large, neck, spread};
 use crate::assemble::Physics;
 use crate::scene::legendre;
 use crate::scene::{Liquid, Measure, Scene};
@@ -57,6 +57,8 @@ pub(super) struct Particles<'a> {
     pub(super) velocity: [&'a [f64]; 2],
     /// Specific kinetic and internal energy, where the pressure depends on it.
     energy: Option<&'a [f64]>,
+    /// Points of the surface, r and z in m, where something tells of them.
+    pub(super) surface: Option<(Vec<f64>, Vec<f64>)>,
 }
 
 impl Particles<'_> {
@@ -102,8 +104,15 @@ impl Observer {
         let velocity = (column(&fields::VELOCITY_R), column(&fields::VELOCITY_Z));
         let velocity: [&[f64]; 2] = [&velocity.0, &velocity.1];
         let energy = store.by_name::<f64>(fields::TOTAL_ENERGY.description.name);
-        let particles =
-            Particles { r: &r, z: &z, mass: &mass, density: &density, velocity, energy: energy.as_deref() };
+        let particles = Particles {
+            r: &r,
+            z: &z,
+            mass: &mass,
+            density: &density,
+            velocity,
+            energy: energy.as_deref(),
+            surface: free_surface::feet(store),
+        };
         let clock = &simulation.world.clock;
         let mut row = vec![clock.time, clock.previous_step_size];
         self.observe_motion(&particles, &mut row);
@@ -176,6 +185,7 @@ impl Observer {
             (r.hypot(z), z)
         };
         let all = 0..particles.r.len();
+        let near = self.physics.particle_size;
         match *measure {
             Measure::LaplacePressure { radius, centre } => {
                 let inside = all.filter(|&i| place(i, centre).0 < CORE * radius);
@@ -209,7 +219,17 @@ impl Observer {
                 jet::observe(particles, &self.physics, wavenumber, radius)
             }
             Measure::FilmRetraction { thickness } => film::observe(particles, &self.physics, thickness),
-            Measure::MomentumDrift | Measure::EnergyDrift => Vec::new(),
+            Measure::MomentumDrift | Measure::EnergyDrift | Measure::EnergyGain => Vec::new(),
+            Measure::LargeOscillation { radial, axial, speed } => {
+                large::observe(particles, large::Start { radial, axial, speed })
+            }
+            Measure::Spread { .. } => spread::observe(particles),
+            Measure::Coalescence { radius, other } => {
+                // Of surfaces that meet at z = 0 the poles are farther away.
+                let reach = radius.min(other);
+                neck::observe(particles, [-0.5 * reach, 0.5 * reach], near)
+            }
+            Measure::PinchOff { .. } => neck::observe(particles, [f64::NEG_INFINITY, f64::INFINITY], near),
             Measure::SemiAxis { .. } => flow::observe_semi_axes(particles),
             Measure::PlateauDensity { dimensions, speed } => {
                 flow::observe_plateau(particles, &self.physics, &self.liquid, (dimensions, speed, time))

@@ -47,6 +47,36 @@ pub enum Measure {
     MomentumDrift,
     /// Largest change of the energy, relative to the kinetic energy at the start.
     EnergyDrift,
+    /// Largest rise of the energy above the least that it had before, relative to that at the start.
+    EnergyGain,
+    /// The oscillation of a drop of an inviscid liquid that starts as a spheroid.
+    LargeOscillation {
+        /// Semi-axis across the axis of symmetry at the start.
+        radial: f64,
+        /// Semi-axis along it at the start.
+        axial: f64,
+        /// Speed in m/s of its flow (-r, 2 z) v/(2 R) at the pole of the sphere of the same volume.
+        speed: f64,
+    },
+    /// How far two equal drops spread that meet head on.
+    Spread {
+        /// Radius of each of them.
+        radius: f64,
+        /// Speed of each of them in m/s.
+        speed: f64,
+    },
+    /// The bridge between two drops that touch at z = 0.
+    Coalescence {
+        /// Radius of one.
+        radius: f64,
+        /// Radius of the other.
+        other: f64,
+    },
+    /// The law by which a jet tears.
+    PinchOff {
+        /// Radius of the jet.
+        radius: f64,
+    },
     /// A spheroid that stretches and shrinks.
     SemiAxis {
         /// Semi-axis across the axis of symmetry at the start.
@@ -74,7 +104,7 @@ pub enum Measure {
     },
 }
 
-const KINDS: [(&str, &[&str]); 10] = [
+const KINDS: [(&str, &[&str]); 15] = [
     ("laplace-pressure", &["radius", "centre"]),
     ("oscillation", &["mode", "radius", "centre", "from"]),
     ("spurious-velocity", &["radius"]),
@@ -82,6 +112,11 @@ const KINDS: [(&str, &[&str]); 10] = [
     ("film-retraction", &["thickness"]),
     ("momentum-drift", &[]),
     ("energy-drift", &[]),
+    ("energy-gain", &[]),
+    ("large-oscillation", &["radial", "axial", "speed"]),
+    ("spread", &["radius", "speed"]),
+    ("coalescence", &["radius", "other"]),
+    ("pinch-off", &["radius"]),
     ("semi-axis", &["radial", "axial", "shear", "stiffness"]),
     ("plateau-density", &["dimensions", "speed"]),
     ("shock-speed", &["speed", "length"]),
@@ -119,6 +154,18 @@ impl Measure {
             "film-retraction" => Measure::FilmRetraction { thickness: size("thickness")? },
             "momentum-drift" => Measure::MomentumDrift,
             "energy-drift" => Measure::EnergyDrift,
+            "energy-gain" => Measure::EnergyGain,
+            "large-oscillation" => {
+                let radial = size("radial")?;
+                let rule = "must be 0.6 to 1.6 times `radial`: the exact motion of longer drops is not known";
+                let accept = |axial: f64| (0.6..=1.6).contains(&(axial / radial));
+                let axial = table.required("axial", "axial = \"3 um\"")?.checked(LENGTH, rule, accept)?;
+                let speed = table.read_or("speed", 0.0, |entry| entry.quantity(VELOCITY))?;
+                Measure::LargeOscillation { radial, axial, speed }
+            }
+            "spread" => Measure::Spread { radius: size("radius")?, speed: positive("speed", VELOCITY)? },
+            "coalescence" => Measure::Coalescence { radius: size("radius")?, other: size("other")? },
+            "pinch-off" => Measure::PinchOff { radius: size("radius")? },
             "semi-axis" => Measure::SemiAxis {
                 radial: size("radial")?,
                 axial: size("axial")?,

@@ -2,6 +2,7 @@
 
 use meniscus_cases::measure::exact::Drop;
 use meniscus_cases::measure::fit::Oscillation;
+use meniscus_cases::measure::large::Start;
 use meniscus_cases::measure::spheroid::Spheroid;
 use meniscus_cases::measure::viscous::Mode;
 use meniscus_cases::measure::{History, columns_of, numbered, oscillation_fit, with_index};
@@ -73,7 +74,23 @@ pub(super) fn draw(scene: &Scene, folder: &RunFolder, history: &History) -> Resu
                 curves.truncate(1);
                 ("shock", curves, "thickness stopped by the shock [m]".to_owned())
             }
-            Measure::MomentumDrift | Measure::EnergyDrift => continue,
+            Measure::LargeOscillation { radial, axial, speed } => {
+                let start = Start { radial, axial, speed };
+                let exact = start.elongations(&scene.liquid, &times);
+                let mut curves = vec![curve("potential flow", times.clone(), exact, Style::Dashed)];
+                curves.extend(measured(history, measure, index));
+                ("large-oscillation", curves, "mean of s^2 P_2 over R^2".to_owned())
+            }
+            Measure::Spread { .. } => {
+                ("spread", measured(history, measure, index), "radius of the disc [m]".to_owned())
+            }
+            Measure::Coalescence { .. } => {
+                ("coalescence", measured(history, measure, index), "radius of the bridge [m]".to_owned())
+            }
+            Measure::PinchOff { .. } => {
+                ("pinch-off", measured(history, measure, index), "radius of the thread [m]".to_owned())
+            }
+            Measure::MomentumDrift | Measure::EnergyDrift | Measure::EnergyGain => continue,
         };
         let path = folder.file(&format!("{}.png", numbered(name, index)));
         let picture = Plot {

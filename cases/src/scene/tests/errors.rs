@@ -18,6 +18,12 @@ fn the_text_must_be_toml_of_format_1() {
 }
 
 #[test]
+fn a_drop_too_long_for_its_exact_motion_is_refused() {
+    let measure = "[[measure]]\nlarge-oscillation = { radial = \"1 um\", axial = \"2 um\" }\n";
+    mistake(&format!("{EXAMPLE}\n{measure}"), &[], &["0.6 to 1.6 times `radial`"]);
+}
+
+#[test]
 fn keys_are_known_and_there() {
     mistake_at(
         &changed("theta =", "thetta ="),
