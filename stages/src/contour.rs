@@ -11,7 +11,7 @@ const SUPPORT: f64 = 4.0;
 const APART: f64 = 2.0;
 /// Feet that lie across the contour by so many particle sizes more than along it belong to another one.
 const ACROSS: f64 = 0.2;
-/// Largest component of delta: a crack or spray has no contour to speak of.
+/// Largest component of delta: in a crack or in spray there is no contour to speak of.
 const LARGEST: f64 = 0.05;
 
 /// A particle at the surface or near it, lengths in metres.

@@ -24,6 +24,10 @@ use meniscus_engine::pipeline::{Fault, Stage, World};
 use meniscus_engine::store::{Add, Read, Update};
 use meniscus_engine::wiring::Wiring;
 
+/// Part of the way to a newly found delta that is gone each time: where the surface is rough delta is noise, and
+/// taken at once it would drive the roughness on.
+const RELAXATION: f64 = 0.1;
+
 /// The stage. It must follow the curvature, which finds feet and tangents, and corrects the weights of
 /// ghosts before they are used.
 pub struct SurfaceArea {
@@ -111,6 +115,19 @@ impl SurfaceArea {
             }
         });
     }
+
+    /// Goes part of the way to what was found.
+    fn store_lack(&self, world: &World) {
+        for (axis, field) in self.lack.into_iter().enumerate() {
+            let mut lack = world.store.write(field);
+            let before: &[f64] = world.arena.alloc_slice_copy(&lack);
+            clear(&mut lack[..]);
+            for (&i, found) in self.numbers.iter().zip(&self.found) {
+                let before = before[i as usize];
+                lack[i as usize] = before + RELAXATION * (found[axis] - before);
+            }
+        }
+    }
 }
 
 impl Stage for SurfaceArea {
@@ -122,13 +139,7 @@ impl Stage for SurfaceArea {
         if world.clock.step.is_multiple_of(self.interval) {
             self.gather(world);
             self.measure();
-            for (axis, field) in self.lack.into_iter().enumerate() {
-                let mut lack = world.store.write(field);
-                clear(&mut lack[..]);
-                for (&i, found) in self.numbers.iter().zip(&self.found) {
-                    lack[i as usize] = found[axis];
-                }
-            }
+            self.store_lack(world);
         }
         let [lack_r, lack_z] = self.lack.map(|field| world.store.write(field));
         let [mut weight_r, mut weight_z] = self.weight.map(|field| world.store.write(field));
