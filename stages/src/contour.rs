@@ -68,7 +68,7 @@ impl Contour {
         let mut segments = std::mem::take(&mut self.segments);
         segments.clear();
         segments.resize(particles.len(), [0.0; 2]);
-        parallel::for_chunks_of(32, particles.len(), &mut segments[..], |start, segments| {
+        parallel::for_chunks_of(128, particles.len(), &mut segments[..], |start, segments| {
             for (k, segment) in segments.iter_mut().enumerate() {
                 if particles[start + k].is_boundary {
                     *segment = self.segment(particles, start + k);

@@ -109,7 +109,7 @@ impl SurfaceArea {
         let (contour, particles) = (&self.contour, &self.particles[..]);
         self.found.clear();
         self.found.resize(particles.len(), [0.0; 2]);
-        parallel::for_chunks_of(16, particles.len(), &mut self.found[..], |start, found| {
+        parallel::for_chunks_of(64, particles.len(), &mut self.found[..], |start, found| {
             for (k, found) in found.iter_mut().enumerate() {
                 *found = contour.lack(&particles[start + k]);
             }
