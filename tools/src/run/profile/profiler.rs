@@ -18,7 +18,7 @@ const OPENING: u64 = 200;
 const INTERVAL: u64 = 1000;
 /// Most pieces of work in a trace, of all threads together: about 15 MB of text. A step that would begin
 /// beyond half of them in the opening, or beyond all later, is left out.
-const MOST: usize = 1 << 17;
+const MOST: usize = 3 << 16;
 
 /// Identities of what has a length: a chunk, a step, then the stages in the order of their first run.
 pub(super) const CHUNK: u64 = 1;
