@@ -16,7 +16,7 @@ const SAMPLE: u64 = 7;
 const OPENING: u64 = 200;
 /// From then on, each of so many.
 const INTERVAL: u64 = 1000;
-/// Most pieces of work in a trace, of all threads together: about 15 MB of text. A step that would begin
+/// Most pieces of work in a trace, of all threads together: about 22 MB of text. A step that would begin
 /// beyond half of them in the opening, or beyond all later, is left out.
 const MOST: usize = 3 << 16;
 
