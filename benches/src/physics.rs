@@ -128,7 +128,10 @@ mod tests {
             (&["kernel-correction"], "moment_rr"),
             (&["velocity-gradient"], "velocity_sum_rr"),
             (&["drops", "boundary-detect", "curvature", "ghost-coupling", "correction"], "laplace_pressure"),
-            (&["tangential-pressure", "strain-correction", "reference-pressure"], "laplace_slope_r"),
+            (
+                &["surface-area", "tangential-pressure", "strain-correction", "reference-pressure"],
+                "laplace_slope_r",
+            ),
             (&["shifting"], "crowding_r"),
             (&[], "power"),
             (&["viscosity"], "viscous_power"),

@@ -4,6 +4,7 @@ use meniscus_engine::bins::Bins;
 use meniscus_engine::lanes::{Lanes, WIDTH};
 use meniscus_engine::neighbours::{Domain, Image};
 use meniscus_engine::parallel;
+use meniscus_engine::store::bytes_of;
 
 /// Support radius of W in particle sizes.
 const SUPPORT: f64 = 4.0;
@@ -102,6 +103,12 @@ impl Contour {
                 column[place] = value;
             }
         }
+    }
+
+    /// Bytes that it holds.
+    pub fn bytes(&self) -> usize {
+        let columns = self.places.iter().chain(&self.columns).map(bytes_of).sum::<usize>();
+        columns + bytes_of(&self.segments) + self.bins.bytes()
     }
 
     /// The particle behind a member, and whether that is mirrored.

@@ -21,7 +21,7 @@ use crate::surface::{BOUNDARY, INSIDE};
 use meniscus_engine::field::clear;
 use meniscus_engine::parallel;
 use meniscus_engine::pipeline::{Fault, Stage, World};
-use meniscus_engine::store::{Add, Read, Update};
+use meniscus_engine::store::{Add, Read, Update, bytes_of};
 use meniscus_engine::wiring::Wiring;
 
 /// Part of the way to a newly found delta that is gone each time: where the surface is rough delta is noise, and
@@ -120,10 +120,10 @@ impl SurfaceArea {
     fn store_lack(&self, world: &World) {
         for (axis, field) in self.lack.into_iter().enumerate() {
             let mut lack = world.store.write(field);
-            let before: &[f64] = world.arena.alloc_slice_copy(&lack);
+            let before = self.numbers.iter().map(|&i| lack[i as usize]);
+            let before: &[f64] = world.arena.alloc_slice_fill_iter(before);
             clear(&mut lack[..]);
-            for (&i, found) in self.numbers.iter().zip(&self.found) {
-                let before = before[i as usize];
+            for ((&i, found), before) in self.numbers.iter().zip(&self.found).zip(before) {
                 lack[i as usize] = before + RELAXATION * (found[axis] - before);
             }
         }
@@ -133,6 +133,11 @@ impl SurfaceArea {
 impl Stage for SurfaceArea {
     fn name(&self) -> &'static str {
         "surface-area"
+    }
+
+    fn bytes(&self) -> usize {
+        let own = bytes_of(&self.numbers) + bytes_of(&self.particles) + bytes_of(&self.found);
+        own + self.contour.bytes()
     }
 
     fn run(&mut self, world: &mut World) -> Result<(), Fault> {
