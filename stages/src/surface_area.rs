@@ -8,7 +8,7 @@
 //!   sum_b R_b [A_b phi_b + V_b (I - L_b) grad_s phi_b] = ∮ R n phi ds,   R the distance from the axis:
 //!
 //! the pair sums of neighbours cancel, those across the edge are what L lacks. Particles at rest
-//! keep that within .1 %; where the flow has drawn the packing out, A is wrong by several per cent, and so is
+//! keep that within .2 %; where the flow has drawn the packing out, A is wrong by several per cent, and so is
 //! the momentum that a film's edge gains. So A becomes A + |A| delta with the delta(x) that makes the
 //! sums equal for phi = W(x - x_b)/R_b, a kernel a few particles wide. The contour is the
 //! polygon through the feet, the places on the surface next to the boundary particles.
