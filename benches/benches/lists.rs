@@ -6,7 +6,7 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use meniscus_benches::{drop_of, one_thread, shuffled, start};
 use meniscus_cases::simulation::Simulation;
 use meniscus_engine::morton;
-use meniscus_engine::neighbours::NeighbourList;
+use meniscus_engine::neighbours::{NeighbourList, WINDOW};
 use std::hint::black_box;
 
 fn column(simulation: &Simulation, name: &str) -> Vec<f64> {
@@ -24,12 +24,12 @@ fn lists(criterion: &mut Criterion) {
         group.bench_function(BenchmarkId::new("build", particles), |bencher| {
             let mut list = NeighbourList::default();
             let domain = simulation.physics.domain;
-            pool.install(|| bencher.iter(|| list.build(&r, &z, &reach, &domain)));
+            pool.install(|| bencher.iter(|| list.build([&r, &z, &reach], &domain)));
         });
         let cell = reach.iter().copied().fold(0.0, f64::max);
         let mut sort = |name: &str, r: &[f64], z: &[f64]| {
             group.bench_function(BenchmarkId::new(name, particles), |bencher| {
-                pool.install(|| bencher.iter(|| black_box(morton::order(r, z, cell))));
+                pool.install(|| bencher.iter(|| black_box(morton::order(r, z, cell, WINDOW))));
             });
         };
         sort("Morton order, found in order", &r, &z);

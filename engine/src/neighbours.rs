@@ -13,6 +13,13 @@ use crate::parallel;
 use crate::store::bytes_of;
 use std::ops::Range;
 
+/// So many particles may change their places among each other to even out the lengths of lists; they lie in a few
+/// cells, and it doesn't matter to the caches which comes first.
+pub const WINDOW: usize = 8 * WIDTH;
+
+/// It pays where it leaves at most this part of a list.
+const EVEN: f64 = 0.96;
+
 /// Where the half plane ends or repeats.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Domain {
@@ -78,6 +85,8 @@ pub struct NeighbourList {
     block_start: Vec<u32>,
     entries: Vec<[u32; WIDTH]>,
     bins: Bins,
+    /// The largest distance of a listed pair, m.
+    largest: f64,
     /// Memory for the next build, for places and reaches in the order of the cells. It holds nothing in between:
     /// who has other use for it can take it.
     pub scratch: [Vec<f64>; 3],
@@ -87,9 +96,58 @@ pub struct NeighbourList {
 impl NeighbourList {
     /// Builds the list for particles at (r, z) (metres): a pair is listed if its distance is below
     /// reach_a + reach_b (metres) and above zero: what lies at the same place has no pair axis.
-    pub fn build(&mut self, r: &[f64], z: &[f64], reach: &[f64], domain: &Domain) {
-        let largest = 2.0 * parallel::maximum(reach.len(), |i| reach[i]);
-        domain.images(r, z, largest, &mut self.images);
+    pub fn build(&mut self, points: [&[f64]; 3], domain: &Domain) {
+        self.count(points, domain);
+        self.fill(points);
+    }
+
+    /// The first half of [`NeighbourList::build`]: how many neighbours particles at (r, z) with their reaches (metres)
+    /// have. [`NeighbourList::fill`] must follow, but particles may change their order in between.
+    pub fn count(&mut self, points: [&[f64]; 3], domain: &Domain) {
+        self.place(points, domain);
+        let len = points[0].len();
+        self.counts.resize(len, 0);
+        let search = Search { bins: &self.bins, points, sorted: &self.scratch, largest: self.largest };
+        parallel::for_chunks(len, &mut self.counts[..], |start, counts| {
+            for (k, count) in counts.iter_mut().enumerate() {
+                *count = 0;
+                search.near(start + k, |_, inside| *count += inside.count_ones());
+            }
+        });
+    }
+
+    /// An order of the particles in which each block of eight has lists of about the same length, for a block's are
+    /// filled up to its longest one. Everyone stays within his [`WINDOW`]. None where it doesn't pay.
+    pub fn even_order(&self) -> Option<Vec<u32>> {
+        let (mut before, mut after) = (0, 0);
+        for window in self.counts.chunks(WINDOW) {
+            before += window.chunks(WIDTH).flat_map(|block| block.iter().max()).sum::<u32>();
+            let mut sorted = [0; WINDOW];
+            let sorted = &mut sorted[..window.len()];
+            sorted.copy_from_slice(window);
+            sorted.sort_unstable();
+            after += sorted.chunks(WIDTH).flat_map(|block| block.last()).sum::<u32>();
+        }
+        if f64::from(after) > EVEN * f64::from(before) {
+            return None;
+        }
+        let mut order: Vec<u32> = (0..self.counts.len() as u32).collect();
+        for window in order.chunks_mut(WINDOW) {
+            window.sort_unstable_by_key(|&particle| (self.counts[particle as usize], particle));
+        }
+        Some(order)
+    }
+
+    /// Between count and fill: particle `order[k]` has become particle k, and `points` are in that order.
+    pub fn reorder(&mut self, order: &[u32], points: [&[f64]; 3], domain: &Domain) {
+        self.counts = order.iter().map(|&from| self.counts[from as usize]).collect();
+        self.place(points, domain);
+    }
+
+    /// Images, cells, and places and reaches in the cells' order.
+    fn place(&mut self, [r, z, reach]: [&[f64]; 3], domain: &Domain) {
+        self.largest = 2.0 * parallel::maximum(reach.len(), |i| reach[i]);
+        domain.images(r, z, self.largest, &mut self.images);
         let images = &self.images;
         let place = |point: usize| match point.checked_sub(r.len()) {
             None => (r[point], z[point]),
@@ -100,7 +158,7 @@ impl NeighbourList {
         };
         // Cells of half the largest distance: five rows of them hold fewer points than three of twice the size.
         let count = r.len() + images.len();
-        self.bins.build_of(count, place, 0.5 * largest);
+        self.bins.build_of(count, place, 0.5 * self.largest);
         for column in &mut self.scratch {
             column.clear();
             column.reserve_exact(count + WIDTH);
@@ -115,20 +173,12 @@ impl NeighbourList {
             sorted_reach.push(reach[source]);
         }
         self.scratch.iter_mut().for_each(|column| column.resize(count + WIDTH, 0.0));
-        self.builds += 1;
-        self.fill([r, z, reach], largest);
     }
 
-    fn fill(&mut self, points: [&[f64]; 3], largest: f64) {
+    /// The second half of [`NeighbourList::build`], for the particles that were counted.
+    pub fn fill(&mut self, points: [&[f64]; 3]) {
         let len = points[0].len();
-        let search = Search { bins: &self.bins, points, sorted: &self.scratch, largest };
-        self.counts.resize(len, 0);
-        parallel::for_chunks(len, &mut self.counts[..], |start, counts| {
-            for (k, count) in counts.iter_mut().enumerate() {
-                *count = 0;
-                search.near(start + k, |_, inside| *count += inside.count_ones());
-            }
-        });
+        let search = Search { bins: &self.bins, points, sorted: &self.scratch, largest: self.largest };
         self.block_start.clear();
         self.block_start.push(0);
         let mut total = 0;
@@ -138,6 +188,7 @@ impl NeighbourList {
         }
         self.entries.resize(total as usize, [0; WIDTH]);
         fill_blocks(&search, &self.block_start, 0, len, &mut self.entries);
+        self.builds += 1;
     }
 
     /// Number of particles in the list.
@@ -316,7 +367,7 @@ mod tests {
         let reach: Vec<f64> = (0..700).map(|i| 0.02 + 0.02 * ((i % 5) as f64)).collect();
         let domain = Domain { origin: 0.0, period: Some((0.0, 1.0)) };
         let mut list = NeighbourList::default();
-        list.build(&r, &z, &reach, &domain);
+        list.build([&r, &z, &reach], &domain);
         for a in 0..700 {
             let mut listed: Vec<usize> = list.of(a).collect();
             listed.sort_unstable();
@@ -335,6 +386,29 @@ mod tests {
     }
 
     #[test]
+    fn an_even_order_makes_lists_shorter_and_keeps_the_pairs() {
+        let (mut r, mut z) = points(3000);
+        let mut reach: Vec<f64> = (0..3000).map(|i| 0.006 + 0.001 * ((i % 7) as f64)).collect();
+        let domain = Domain { origin: 0.0, period: Some((0.0, 1.0)) };
+        let mut list = NeighbourList::default();
+        list.build([&r, &z, &reach], &domain);
+        let (slots, pairs) = (list.slots(), list.pairs());
+        list.count([&r, &z, &reach], &domain);
+        let order = list.even_order().expect("lists of chance lengths");
+        for column in [&mut r, &mut z, &mut reach] {
+            *column = order.iter().map(|&from| column[from as usize]).collect();
+        }
+        list.reorder(&order, [&r, &z, &reach], &domain);
+        list.fill([&r, &z, &reach]);
+        assert!((list.slots() as f64) < 0.9 * slots as f64, "{} of {slots}", list.slots());
+        assert_eq!(list.pairs(), pairs);
+        assert!(list.even_order().is_none());
+        let mut anew = NeighbourList::default();
+        anew.build([&r, &z, &reach], &domain);
+        assert_eq!(list.entries, anew.entries);
+    }
+
+    #[test]
     fn the_list_does_not_depend_on_the_number_of_threads() {
         let (r, z) = points(5000);
         let reach = vec![0.015; 5000];
@@ -342,7 +416,7 @@ mod tests {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| {
                 let mut list = NeighbourList::default();
-                list.build(&r, &z, &reach, &Domain::default());
+                list.build([&r, &z, &reach], &Domain::default());
                 list.entries
             })
         };

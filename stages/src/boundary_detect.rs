@@ -6,6 +6,7 @@ use crate::fields;
 use crate::moment::Moment;
 use crate::sort_bin::WIDEST_SKIN;
 use crate::surface::{BOUNDARY, INSIDE, NEAR_BOUNDARY};
+use meniscus_engine::lanes::WIDTH;
 use meniscus_engine::parallel;
 use meniscus_engine::pipeline::{Fault, Stage, World};
 use meniscus_engine::store::{Read, Write};
@@ -79,10 +80,13 @@ impl BoundaryDetect {
     fn find_candidates(&mut self, world: &World) {
         let [rr, rz, zz] = self.moment.map(|field| world.store.read(field));
         self.candidates.clear();
-        for i in 0..rr.len() {
-            let moment = Moment { rr: rr[i], rz: rz[i], zz: zz[i] };
-            if !moment.eigenvalues_at_least(EIGENVALUE) {
-                self.candidates.push(i as u32);
+        for first in (0..rr.len()).step_by(WIDTH) {
+            let eight = first..rr.len().min(first + WIDTH);
+            // Most are no candidates: eight of them are tested at once.
+            let is_candidate =
+                |i: usize| !Moment { rr: rr[i], rz: rz[i], zz: zz[i] }.eigenvalues_at_least(EIGENVALUE);
+            if eight.clone().fold(false, |any, i| any | is_candidate(i)) {
+                self.candidates.extend(eight.filter(|&i| is_candidate(i)).map(|i| i as u32));
             }
         }
     }
@@ -162,7 +166,8 @@ impl BoundaryDetect {
                     None => (r[b], z[b]),
                 };
                 let support = 2.0 * theta * (size[a].min(largest_size) + size[b].min(largest_size));
-                if (r_b - r[a]).hypot(z_b - z[a]) < support {
+                let (dr, dz) = (r_b - r[a], z_b - z[a]);
+                if dr * dr + dz * dz < support * support {
                     surface[b] = NEAR_BOUNDARY;
                 }
             }

@@ -39,9 +39,9 @@ impl ColourField {
     pub fn refresh(&mut self, source: &Particles, list_build: u64, most_slack: f64, domain: &Domain) {
         let Particles { r, z, size, list_r, list_z, support } = *source;
         self.known.clear();
+        let count = r.len();
         if self.list_build != list_build || self.r.is_empty() {
             self.list_build = list_build;
-            let count = r.len();
             domain.images(list_r, list_z, support + 2.0 * most_slack, &mut self.images);
             // The columns first hold the places at the list's build, to sort by them.
             for (column, own) in [(&mut self.r, list_r), (&mut self.z, list_z)] {
@@ -61,7 +61,11 @@ impl ColourField {
                 column.resize(padded, 0.0);
             }
         }
-        self.slack = parallel::maximum(r.len(), |i| (r[i] - list_r[i]).hypot(z[i] - list_z[i]));
+        let moved = |i: usize| {
+            let (r, z) = (r[i] - list_r[i], z[i] - list_z[i]);
+            r * r + z * z
+        };
+        self.slack = parallel::maximum(count, moved).sqrt();
         for (k, &member) in self.bins.members().iter().enumerate() {
             let member = member as usize;
             let (source, place) = match member.checked_sub(r.len()) {

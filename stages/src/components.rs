@@ -15,9 +15,11 @@ pub fn components<'a>(
     let Packing { domain, theta, largest_size } = *packing;
     let parent = arena.alloc_slice_fill_with(r.len(), |i| i as u32);
     for a in 0..r.len() {
+        let mut root_a = a as u32;
         for number in list.of(a) {
             let b = list.source(number);
-            if b >= a {
+            // Most neighbours belong to the same component already, and need not be measured.
+            if b >= a || root(parent, b as u32) == root_a {
                 continue;
             }
             let (r_b, z_b) = match number.checked_sub(list.len()) {
@@ -27,7 +29,7 @@ pub fn components<'a>(
             let support = 2.0 * theta * (size[a].min(largest_size) + size[b].min(largest_size));
             let (dr, dz) = (r_b - r[a], z_b - z[a]);
             if dr * dr + dz * dz < support * support {
-                join(parent, a as u32, b as u32);
+                root_a = join(parent, root_a, b as u32);
             }
         }
     }
@@ -46,7 +48,9 @@ fn root(parent: &mut [u32], mut i: u32) -> u32 {
     i
 }
 
-fn join(parent: &mut [u32], a: u32, b: u32) {
+/// Joins two components and returns the root of both.
+fn join(parent: &mut [u32], a: u32, b: u32) -> u32 {
     let (a, b) = (root(parent, a), root(parent, b));
     parent[a.max(b) as usize] = a.min(b);
+    a.min(b)
 }

@@ -2,6 +2,7 @@
 
 use crate::drops::count;
 use crate::fields;
+use crate::surface::for_surface;
 use meniscus_engine::parallel;
 use meniscus_engine::pipeline::{Fault, Stage, World};
 use meniscus_engine::store::{Add, Read};
@@ -25,6 +26,7 @@ pub struct MomentumCorrection {
     drop: Option<Read<u32>>,
     mass: Read<f64>,
     density: Read<f64>,
+    surface: Read<u32>,
     surface_force: [Read<f64>; 2],
     force: [Add<f64>; 2],
 }
@@ -39,6 +41,7 @@ impl MomentumCorrection {
             drop: (recoil == Recoil::Drop).then(|| wiring.read(&fields::DROP)),
             mass: wiring.read(&fields::MASS),
             density: wiring.read(&fields::DENSITY),
+            surface: wiring.read(&fields::SURFACE),
             surface_force: surface_force.map(|field| wiring.read(field)),
             force: [wiring.add(&fields::FORCE_R), wiring.add(&fields::FORCE_Z)],
         }
@@ -53,45 +56,55 @@ impl Stage for MomentumCorrection {
     fn run(&mut self, world: &mut World) -> Result<(), Fault> {
         let store = &world.store;
         let (mass, density) = (store.read(self.mass), store.read(self.density));
+        let surface = store.read(self.surface);
         let [surface_r, surface_z] = self.surface_force.map(|field| store.read(field));
         let [mut force_r, mut force_z] = self.force.map(|field| store.write(field));
-        let (mass, density) = (&mass[..], &density[..]);
+        let (mass, density, surface) = (&mass[..], &density[..], &surface[..]);
         let (surface_r, surface_z) = (&surface_r[..], &surface_z[..]);
+        parallel::for_chunks(
+            mass.len(),
+            (&mut force_r[..], &mut force_z[..]),
+            |start, (force_r, force_z)| {
+                for_surface(&surface[start..start + force_r.len()], |k| {
+                    force_r[k] += surface_r[start + k];
+                    force_z[k] += surface_z[start + k];
+                });
+            },
+        );
         let drop = self.drop.map(|drop| store.read(drop));
-        let columns = (&mut force_r[..], &mut force_z[..]);
         let drops = drop.as_deref().map_or(1, count);
         if let Some(drop) = drop.as_deref().filter(|_| drops > 1) {
             // Of each drop: mass and force.
             let sums = world.arena.alloc_slice_fill_copy(drops, [0.0f64; 2]);
-            for (i, &number) in drop.iter().enumerate() {
-                let sum = &mut sums[number as usize];
-                sum[0] += mass[i];
-                sum[1] += mass[i] / density[i] * surface_z[i];
+            for (&number, mass) in drop.iter().zip(mass) {
+                sums[number as usize][0] += mass;
             }
+            for_surface(surface, |i| sums[drop[i] as usize][1] += mass[i] / density[i] * surface_z[i]);
             let sums = &*sums;
-            parallel::for_chunks(mass.len(), columns, |start, (force_r, force_z)| {
-                for k in 0..force_r.len() {
-                    let i = start + k;
-                    let [mass, force] = sums[drop[i] as usize];
-                    force_r[k] += surface_r[i];
-                    force_z[k] += surface_z[i] - density[i] * (force / mass);
+            parallel::for_chunks(mass.len(), &mut force_z[..], |start, force_z| {
+                for (k, force_z) in force_z.iter_mut().enumerate() {
+                    let [mass, force] = sums[drop[start + k] as usize];
+                    *force_z -= density[start + k] * (force / mass);
                 }
             });
-            return Ok(());
+        } else if self.recoil != Recoil::None {
+            let whole = parallel::sum(mass.len(), |i| mass[i]);
+            let body = |start: usize, (), len: usize| {
+                let mut force = 0.0;
+                for_surface(&surface[start..start + len], |k| {
+                    let i = start + k;
+                    force += mass[i] / density[i] * surface_z[i];
+                });
+                force
+            };
+            let force = parallel::fold_chunks(mass.len(), (), &body, &|a, b| a + b);
+            let acceleration = force / whole;
+            parallel::for_chunks(mass.len(), (&mut force_z[..], density), |_, (force_z, density)| {
+                for (force_z, density) in force_z.iter_mut().zip(density) {
+                    *force_z -= density * acceleration;
+                }
+            });
         }
-        let acceleration = if self.recoil == Recoil::None {
-            0.0
-        } else {
-            let force = parallel::sum(mass.len(), |i| mass[i] / density[i] * surface_z[i]);
-            force / parallel::sum(mass.len(), |i| mass[i])
-        };
-        parallel::for_chunks(mass.len(), columns, |start, (force_r, force_z)| {
-            for k in 0..force_r.len() {
-                let i = start + k;
-                force_r[k] += surface_r[i];
-                force_z[k] += surface_z[i] - density[i] * acceleration;
-            }
-        });
         Ok(())
     }
 }

@@ -146,7 +146,9 @@ impl<E: EquationOfState> State<E> {
                     Some(energy) => energy[i] - 0.5 * (u[i] * u[i] + w[i] * w[i]),
                     None => 0.0,
                 };
-                let size = std::array::from_fn(|i| self.packing.size(r[i], density[i], mass[i]));
+                let radius = Lanes::load(&r) + Lanes::splat(self.packing.domain.origin);
+                let around = Lanes::splat(2.0 * PI) * radius * Lanes::load(&density);
+                let size = (Lanes::load(&mass) / around).sqrt().to_array();
                 let pressure: [f64; WIDTH] =
                     std::array::from_fn(|i| self.equation.pressure(density[i], internal(i)) - reference[i]);
                 let sound_speed: [f64; WIDTH] =
@@ -179,12 +181,20 @@ impl<E: EquationOfState> State<E> {
         world.rows.resize(particles, images, self.second.is_some());
         self.evaluate::<Row>(world);
         self.pack_second::<HalfRow>(world);
-        for (k, image) in world.neighbours.images().iter().enumerate() {
-            let (source, copy) = (image.source as usize, particles + k);
-            world.rows.first[copy] = image_of_first(image, &self.packing.domain, &world.rows.first[source]);
-            if self.second.is_some() {
-                world.rows.second[copy] = image_of_second(image, &world.rows.second[source]);
+        let (images, domain) = (world.neighbours.images(), &self.packing.domain);
+        let (own, copies) = world.rows.first.split_at_mut(particles);
+        parallel::for_chunks(images.len(), (images, copies), |_, (images, copies)| {
+            for (image, copy) in images.iter().zip(copies) {
+                *copy = image_of_first(image, domain, &own[image.source as usize]);
             }
+        });
+        if self.second.is_some() {
+            let (own, copies) = world.rows.second.split_at_mut(particles);
+            parallel::for_chunks(images.len(), (images, copies), |_, (images, copies)| {
+                for (image, copy) in images.iter().zip(copies) {
+                    *copy = image_of_second(image, &own[image.source as usize]);
+                }
+            });
         }
     }
 
@@ -194,10 +204,13 @@ impl<E: EquationOfState> State<E> {
         world.rows.resize_single(particles, images);
         self.evaluate::<SingleRow>(world);
         self.pack_second::<SingleRow>(world);
-        let rows = &mut world.rows.single;
-        for (k, image) in world.neighbours.images().iter().enumerate() {
-            rows[particles + k] = image_of_single(image, domain, unit, &rows[image.source as usize]);
-        }
+        let images = world.neighbours.images();
+        let (own, copies) = world.rows.single.split_at_mut(particles);
+        parallel::for_chunks(images.len(), (images, copies), |_, (images, copies)| {
+            for (image, copy) in images.iter().zip(copies) {
+                *copy = image_of_single(image, domain, unit, &own[image.source as usize]);
+            }
+        });
     }
 
     fn pack_density<R: SecondPart>(&self, world: &mut World, kernel_scale: Read<f64>) {

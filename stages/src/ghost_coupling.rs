@@ -1,7 +1,7 @@
 //! Ghost coupling: every surface particle meets one ghost that holds the Laplace pressure.
 
 use crate::fields;
-use crate::surface::INSIDE;
+use crate::surface::for_surface;
 use meniscus_engine::field::clear;
 use meniscus_engine::parallel;
 use meniscus_engine::pipeline::{Fault, Stage, World};
@@ -94,11 +94,8 @@ impl Stage for GhostCoupling {
         parallel::for_chunks(surface.len(), columns, |start, (strain_rate, force_r, force_z, mut power)| {
             clear(force_r);
             clear(force_z);
-            for k in 0..strain_rate.len() {
+            for_surface(&surface[start..start + strain_rate.len()], |k| {
                 let i = start + k;
-                if surface[i] == INSIDE {
-                    continue;
-                }
                 let laplace = tension.map_or(0.0, |(pressure, rate)| pressure[i] + elapsed * rate[i]);
                 let ghost_pressure = self.external_pressure + laplace - reference[i];
                 let impedance = density[i] * sound_speed[i];
@@ -114,7 +111,7 @@ impl Stage for GhostCoupling {
                 }
                 force_r[k] = -2.0 * star * weight_r[i];
                 force_z[k] = -2.0 * star * weight_z[i];
-            }
+            });
         });
         Ok(())
     }

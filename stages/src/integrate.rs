@@ -85,14 +85,34 @@ impl Integrate {
     fn acoustic_bound(&self, world: &World) -> f64 {
         let (size, sound_speed) = (world.store.read(self.size), world.store.read(self.sound_speed));
         let (strain_rate, r) = (world.store.read(self.strain_rate), world.store.write(self.position[0]));
-        let (size, sound_speed) = (&size[..], &sound_speed[..]);
-        let (strain_rate, r, origin) = (&strain_rate[..], &r[..], self.courant.origin);
-        let slowest = parallel::maximum(size.len(), |i| {
-            let near = ((r[i] + origin) / (INNERMOST * size[i])).abs().min(1.0);
-            let length = size[i] * near * near;
-            let strain = 4.0 * length * strain_rate[i];
-            (sound_speed[i] * sound_speed[i] + strain * strain) / (length * length)
-        });
+        let columns = ((&size[..], &sound_speed[..]), (&strain_rate[..], &r[..]));
+        let origin = Lanes::splat(self.courant.origin);
+        type Columns<'a> = ((&'a [f64], &'a [f64]), (&'a [f64], &'a [f64]));
+        let body = |_: usize, ((size, sound_speed), (strain_rate, r)): Columns, len: usize| {
+            let (mut largest, mut all) = (Lanes::ZERO, Lanes::ZERO);
+            for first in (0..len).step_by(WIDTH) {
+                let load =
+                    |column: &[f64], fill| Lanes::load_or(&column[first..len.min(first + WIDTH)], fill);
+                let size = load(size, f64::MAX.sqrt());
+                let (radius, innermost) = (load(r, f64::MAX) + origin, Lanes::splat(INNERMOST) * size);
+                let length = if (radius - innermost).all_positive() {
+                    size
+                } else {
+                    let near = (radius / innermost).abs().min(Lanes::ONE);
+                    size * near * near
+                };
+                let strain = Lanes::splat(4.0) * length * load(strain_rate, 0.0);
+                let sound_speed = load(sound_speed, 0.0);
+                let rate = sound_speed.mul_add(sound_speed, strain * strain) / (length * length);
+                largest = largest.max(rate);
+                all += rate;
+            }
+            // No maximum hides a NaN: the sum has it as well.
+            let largest = largest.to_array().into_iter().fold(0.0, f64::max);
+            if all.sum().is_nan() { f64::NAN } else { largest }
+        };
+        let larger = |a: f64, b: f64| if a > b || a.is_nan() { a } else { b };
+        let slowest = parallel::fold_chunks(size.len(), columns, &body, &larger);
         self.courant.number / slowest.sqrt()
     }
 

@@ -2,8 +2,8 @@
 
 use crate::boundary_detect::EIGENVALUE;
 use crate::fields;
-use crate::moment::Moment;
 use crate::surface::INSIDE;
+use meniscus_engine::lanes::{Lanes, WIDTH};
 use meniscus_engine::parallel;
 use meniscus_engine::pipeline::{Fault, Stage, World};
 use meniscus_engine::store::{Read, Update};
@@ -46,21 +46,24 @@ impl Stage for KernelCorrection {
         let surface = self.surface.map(|surface| world.store.read(surface));
         let surface = surface.as_deref();
         let columns = (&rr[..], &rz[..], &zz[..], &mut scale[..]);
-        let body = |start: usize, columns: Columns, len: usize| match surface {
-            Some(surface) => {
-                let surface = &surface[start..start + len];
-                follow(columns, len, |i| surface[i] == INSIDE)
-            }
-            None => follow(columns, len, |_| true),
+        let body = |start: usize, columns: Columns, len: usize| {
+            follow(columns, surface.map(|surface| &surface[start..start + len]))
         };
         let add = |a: (f64, f64), b: (f64, f64)| (a.0 + b.0, a.1 + b.1);
         let (sum, count) = parallel::fold_chunks(rr.len(), columns, &body, &add);
         let mean = if count > 0.0 { sum / count } else { 1.0 };
-        parallel::for_chunks(rr.len(), &mut scale[..], |start, scale| {
-            for (i, scale) in scale.iter_mut().enumerate() {
-                let inside = surface.is_none_or(|surface| surface[start + i] == INSIDE);
-                // NaN marks few neighbours, and the least of it and the mean is the mean.
-                *scale = if inside && !scale.is_nan() { *scale } else { scale.min(mean) };
+        // NaN marks few neighbours, and the least of it and the mean is the mean.
+        parallel::for_chunks(rr.len(), (&mut scale[..], surface), |_, (scale, surface)| match surface {
+            Some(surface) => {
+                for (scale, surface) in scale.iter_mut().zip(surface) {
+                    let least = scale.min(mean);
+                    *scale = if (*surface == INSIDE) & !scale.is_nan() { *scale } else { least };
+                }
+            }
+            None => {
+                for scale in scale {
+                    *scale = if scale.is_nan() { mean } else { *scale };
+                }
             }
         });
         Ok(())
@@ -71,18 +74,31 @@ type Columns<'a> = (&'a [f64], &'a [f64], &'a [f64], &'a mut [f64]);
 
 /// Moves the factors of all particles that have enough neighbours, marks the others by a NaN, and gives sum and
 /// number of those inside.
-#[inline(always)]
-fn follow((rr, rz, zz, scale): Columns, len: usize, is_inside: impl Fn(usize) -> bool) -> (f64, f64) {
-    let (rr, rz, zz, scale) = (&rr[..len], &rz[..len], &zz[..len], &mut scale[..len]);
-    let (mut sum, mut count) = (0.0, 0.0);
-    for i in 0..len {
-        let moment = Moment { rr: rr[i], rz: rz[i], zz: zz[i] };
-        let now = scale[i] * (1.0 + RELAXATION * (2.0 / moment.trace() - 1.0));
-        let complete = moment.eigenvalues_at_least(EIGENVALUE);
-        let interior = complete & is_inside(i);
-        scale[i] = if complete { now } else { f64::NAN };
-        sum += if interior { now } else { 0.0 };
-        count += if interior { 1.0 } else { 0.0 };
+fn follow((rr, rz, zz, scale): Columns, surface: Option<&[u32]>) -> (f64, f64) {
+    let (mut sum, mut count) = (Lanes::ZERO, Lanes::ZERO);
+    let enough = Lanes::splat(EIGENVALUE);
+    for first in (0..scale.len()).step_by(WIDTH) {
+        let eight = first..scale.len().min(first + WIDTH);
+        let load = |column: &[f64], fill| Lanes::load_or(&column[eight.clone()], fill);
+        let (rr, rz, zz) = (load(rr, 1.0), load(rz, 0.0), load(zz, 1.0));
+        let change = Lanes::splat(2.0) / (rr + zz) - Lanes::ONE;
+        let now = load(scale, 1.0) * Lanes::splat(RELAXATION).mul_add(change, Lanes::ONE);
+        // As Moment::eigenvalues_at_least has it: trace and determinant of L - 3/4 are not negative.
+        let (above_rr, above_zz) = (rr - enough, zz - enough);
+        let least = (above_rr + above_zz).min(rz.neg_mul_add(rz, above_rr * above_zz));
+        let zero = Lanes::splat(-f64::MIN_POSITIVE);
+        least.select_greater(zero, now, Lanes::splat(f64::NAN)).store(&mut scale[eight.clone()]);
+        let is_inside = |k: usize| {
+            let inside = surface.is_none_or(|surface| surface[k] == INSIDE);
+            if inside { 1.0 } else { 0.0 }
+        };
+        let inside: [f64; WIDTH] = match eight.len() {
+            WIDTH => std::array::from_fn(|lane| is_inside(first + lane)),
+            len => std::array::from_fn(|lane| if lane < len { is_inside(first + lane) } else { 0.0 }),
+        };
+        let interior = least.select_greater(zero, Lanes::load(&inside), Lanes::ZERO);
+        sum += interior.select_greater(Lanes::ZERO, now, Lanes::ZERO);
+        count += interior;
     }
-    (sum, count)
+    (sum.sum(), count.sum())
 }

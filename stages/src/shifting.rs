@@ -4,6 +4,7 @@ use crate::fields;
 use crate::integrate::CLOSED;
 use crate::moment::Moment;
 use crate::surface::{BOUNDARY, INSIDE};
+use meniscus_engine::lanes::{Lanes, WIDTH};
 use meniscus_engine::parallel;
 use meniscus_engine::pipeline::{Fault, Stage, World};
 use meniscus_engine::store::{Read, Update};
@@ -114,11 +115,30 @@ impl Stage for Shifting {
         let [mut r, mut z] = self.position.map(|field| store.write(field));
         let Strength { coefficient, speed, rate, theta, origin, everywhere } = self.strength;
         parallel::for_chunks(size.len(), (&mut r[..], &mut z[..]), |start, (r, z)| {
+            let mut quiet = false;
+            // Most particles need no shift: eight of them are tested at once for it.
+            let is_quiet = |k: usize, r: &[f64]| {
+                let eight = start + k..start + k + WIDTH;
+                let load = |column: &[f64]| Lanes::load(&column[eight.clone()]);
+                let (rr, rz, zz, size) = (load(&rr), load(&rz), load(&zz), load(&size));
+                let (difference, shear) = (rr - zz, rz + rz);
+                let most = Lanes::splat(0.99 * UNEVEN[0]) * (rr + zz);
+                let uneven = difference.mul_add(difference, shear.mul_add(shear, -(most * most)));
+                let radius = Lanes::load(&r[k..]) + Lanes::splat(origin);
+                let closing = Lanes::splat(1.01 * CLOSING[0]).mul_add(size, -radius);
+                let inside = surface[eight].iter().fold(true, |all, code| all & (*code != BOUNDARY));
+                inside && (-(uneven.max(closing))).all_positive()
+            };
             for k in 0..r.len() {
+                if k % WIDTH == 0 {
+                    quiet = !everywhere && r.len() - k >= WIDTH && is_quiet(k, r);
+                }
+                if quiet {
+                    continue;
+                }
                 let i = start + k;
                 let radius = r[k] + origin;
                 let support = 4.0 * theta * size[i];
-                // Most particles need no shift: the test for it is short.
                 let needed = if everywhere || surface[i] == BOUNDARY {
                     1.0
                 } else {

@@ -4,6 +4,7 @@ use crate::equation_of_state::Packing;
 use crate::fields;
 use meniscus_engine::lanes::{Lanes, WIDTH};
 use meniscus_engine::morton;
+use meniscus_engine::neighbours::{NeighbourList, WINDOW};
 use meniscus_engine::parallel;
 use meniscus_engine::pipeline::{Fault, Stage, World};
 use meniscus_engine::store::{Read, Update};
@@ -73,14 +74,35 @@ impl SortBin {
         parallel::fold_chunks(r.len(), columns, &body, &|a, b| a && b)
     }
 
-    fn build(&self, world: &mut World) {
-        // This is the first stage: Derived columns hold nothing yet.
+    /// Calls `build` with list and places. This is the first stage: Derived columns hold nothing yet, and lend the
+    /// list their memory.
+    fn with_list<R>(&self, world: &mut World, build: impl FnOnce(&mut NeighbourList, [&[f64]; 3]) -> R) -> R {
         world.store.swap_derived(&mut world.neighbours.scratch);
         let listed = self.listed.map(|field| world.store.write(field));
-        let [r, z, reach] = listed.each_ref().map(|column| &column[..]);
-        world.neighbours.build(r, z, reach, &self.packing.domain);
+        let built = build(&mut world.neighbours, listed.each_ref().map(|column| &column[..]));
         drop(listed);
         world.store.swap_derived(&mut world.neighbours.scratch);
+        built
+    }
+
+    /// Builds the list, and orders particles within a window so that there is less of it to fill up.
+    fn build_even(&self, world: &mut World) {
+        let domain = &self.packing.domain;
+        let order = self.with_list(world, |list, points| {
+            list.count(points, domain);
+            let order = list.even_order();
+            if order.is_none() {
+                list.fill(points);
+            }
+            order
+        });
+        if let Some(order) = order {
+            world.store.permute(&order);
+            self.with_list(world, |list, points| {
+                list.reorder(&order, points, domain);
+                list.fill(points);
+            });
+        }
     }
 
     /// The skin that costs least if particles go on as since the last build, m.
@@ -92,7 +114,11 @@ impl SortBin {
         }
         let [r, z] = self.position.map(|field| world.store.write(field));
         let [list_r, list_z, _] = self.listed.map(|field| world.store.write(field));
-        let moved = parallel::maximum(r.len(), |i| (r[i] - list_r[i]).hypot(z[i] - list_z[i]));
+        let moved = |i: usize| {
+            let (r, z) = (r[i] - list_r[i], z[i] - list_z[i]);
+            r * r + z * z
+        };
+        let moved = parallel::maximum(r.len(), moved).sqrt();
         let a_step = moved * world.clock.previous_step_size / elapsed;
         (2.0 * BUILD_COST * a_step * size).sqrt().clamp(NARROWEST_SKIN * size, WIDEST_SKIN * size)
     }
@@ -115,13 +141,13 @@ impl SortBin {
                 *reach = self.packing.reach(r[i], density[i], mass[i]) + 0.5 * skin;
             }
             let cell = parallel::maximum(r.len(), |i| list_reach[i]);
-            morton::order(&r, &z, cell)
+            morton::order(&r, &z, cell, WINDOW)
         };
         if let Some(order) = order {
             world.store.permute(&order);
         }
         world.clock.set_mark("list");
-        self.build(world);
+        self.build_even(world);
     }
 }
 
@@ -134,7 +160,7 @@ impl Stage for SortBin {
         // Where a list was built before this run began, its places are still noted.
         let listed = world.store.write(self.listed[2]).first().is_some_and(|reach| *reach > 0.0);
         if listed && world.neighbours.is_empty() {
-            self.build(world);
+            self.with_list(world, |list, points| list.build(points, &self.packing.domain));
         }
         // A NaN builds the list, too, and goes on to the stage that names it.
         let valid = !world.neighbours.is_empty() && self.is_valid(world);

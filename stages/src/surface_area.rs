@@ -17,7 +17,7 @@ use crate::contour::{Contour, SurfaceParticle};
 use crate::equation_of_state::Packing;
 use crate::fields;
 use crate::moment::Moment;
-use crate::surface::{BOUNDARY, INSIDE};
+use crate::surface::{BOUNDARY, for_surface};
 use meniscus_engine::field::clear;
 use meniscus_engine::parallel;
 use meniscus_engine::pipeline::{Fault, Stage, World};
@@ -80,8 +80,11 @@ impl SurfaceArea {
         let (size, surface) = (world.store.read(self.size), world.store.read(self.surface));
         let Packing { largest_size, domain, .. } = self.packing;
         self.numbers.clear();
-        let with_surface = |&i: &usize| surface[i] != INSIDE && (tangent_r[i], tangent_z[i]) != (0.0, 0.0);
-        self.numbers.extend((0..r.len()).filter(with_surface).map(|i| i as u32));
+        for_surface(&surface, |i| {
+            if (tangent_r[i], tangent_z[i]) != (0.0, 0.0) {
+                self.numbers.push(i as u32);
+            }
+        });
         self.particles.clear();
         self.particles.extend(self.numbers.iter().map(|&i| {
             let i = i as usize;
@@ -146,15 +149,16 @@ impl Stage for SurfaceArea {
             self.measure();
             self.store_lack(world);
         }
+        let surface = world.store.read(self.surface);
         let [lack_r, lack_z] = self.lack.map(|field| world.store.write(field));
         let [mut weight_r, mut weight_z] = self.weight.map(|field| world.store.write(field));
         let columns = (&mut weight_r[..], &mut weight_z[..]);
         parallel::for_chunks(lack_r.len(), columns, |start, (weight_r, weight_z)| {
-            for k in 0..weight_r.len() {
+            for_surface(&surface[start..start + weight_r.len()], |k| {
                 let length = (weight_r[k] * weight_r[k] + weight_z[k] * weight_z[k]).sqrt();
                 weight_r[k] += length * lack_r[start + k];
                 weight_z[k] += length * lack_z[start + k];
-            }
+            });
         });
         Ok(())
     }

@@ -3,7 +3,7 @@
 
 use crate::fields;
 use crate::moment::Moment;
-use crate::surface::INSIDE;
+use crate::surface::for_surface;
 use meniscus_engine::parallel;
 use meniscus_engine::pipeline::{Fault, Stage, World};
 use meniscus_engine::store::{Add, Read};
@@ -52,15 +52,13 @@ impl Stage for TangentialPressure {
         let [mut force_r, mut force_z] = self.force.map(|field| store.write(field));
         let columns = (&mut force_r[..], &mut force_z[..]);
         parallel::for_chunks(surface.len(), columns, |start, (force_r, force_z)| {
-            for k in 0..force_r.len() {
+            for_surface(&surface[start..start + force_r.len()], |k| {
                 let i = start + k;
-                if surface[i] != INSIDE {
-                    let missing = Moment { rr: 1.0 - rr[i], rz: -rz[i], zz: 1.0 - zz[i] };
-                    let [r, z] = missing.apply([slope_r[i], slope_z[i]]);
-                    force_r[k] -= r;
-                    force_z[k] -= z;
-                }
-            }
+                let missing = Moment { rr: 1.0 - rr[i], rz: -rz[i], zz: 1.0 - zz[i] };
+                let [r, z] = missing.apply([slope_r[i], slope_z[i]]);
+                force_r[k] -= r;
+                force_z[k] -= z;
+            });
         });
         Ok(())
     }
@@ -105,18 +103,15 @@ impl Stage for StrainCorrection {
         let sum = self.velocity_sum.map(|field| store.read(field));
         let mut strain_rate = store.write(self.strain_rate);
         parallel::for_chunks(surface.len(), &mut strain_rate[..], |start, strain_rate| {
-            for (k, strain_rate) in strain_rate.iter_mut().enumerate() {
+            for_surface(&surface[start..start + strain_rate.len()], |k| {
                 let i = start + k;
-                if surface[i] == INSIDE {
-                    continue;
-                }
                 let moment = Moment { rr: rr[i], rz: rz[i], zz: zz[i] };
                 if moment.eigenvalues_at_least(INVERTIBLE) {
                     let sum = std::array::from_fn(|c| sum[c][i]);
                     let gradient = moment.solve(sum);
-                    *strain_rate += (gradient[0] + gradient[3]) - (sum[0] + sum[3]);
+                    strain_rate[k] += (gradient[0] + gradient[3]) - (sum[0] + sum[3]);
                 }
-            }
+            });
         });
         Ok(())
     }

@@ -84,7 +84,7 @@ pub fn neighbourhood(columns: &[ColumnView<'_>], scene: &Scene) -> Result<Neighb
     let packing = Packing { domain, theta: scene.method.theta, largest_size: 2.0 * scene.particle_size };
     let reach: Vec<f64> = particles.size.iter().map(|size| 2.0 * packing.theta * size).collect();
     let mut list = NeighbourList::default();
-    list.build(&particles.r, &particles.z, &reach, &domain);
+    list.build([&particles.r, &particles.z, &reach], &domain);
     let mut found = Neighbourhood {
         drops: drops(&particles, &list, &packing),
         left_out: all.r.len() - kept.len(),
