@@ -108,7 +108,7 @@ impl NeighbourList {
         let len = points[0].len();
         self.counts.resize(len, 0);
         let search = Search { bins: &self.bins, points, sorted: &self.scratch, largest: self.largest };
-        parallel::for_chunks(len, &mut self.counts[..], |start, counts| {
+        parallel::for_chunks_of(parallel::DEAR_CHUNK, len, &mut self.counts[..], |start, counts| {
             for (k, count) in counts.iter_mut().enumerate() {
                 *count = 0;
                 search.near(start + k, |_, inside| *count += inside.count_ones());
@@ -298,7 +298,7 @@ fn fill_blocks(
     entries: &mut [[u32; WIDTH]],
 ) {
     let offset = block_start[first / WIDTH] as usize;
-    if last - first > parallel::CHUNK {
+    if last - first > parallel::DEAR_CHUNK {
         let middle = first + ((last - first) / 2).next_multiple_of(WIDTH);
         let (left, right) = entries.split_at_mut(block_start[middle / WIDTH] as usize - offset);
         rayon::join(

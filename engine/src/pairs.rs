@@ -26,6 +26,9 @@ pub use terms::{Columns, Interaction, MOST_OUTPUTS, PairTerm, Powers, Record};
 /// sixteen registers of AVX2 what must be kept meanwhile takes more than that saves.
 const BEGINS_AHEAD: bool = cfg!(target_feature = "avx512f");
 
+/// Bytes of rows that the caches of a core hold. Where there are more, those of the next block are asked for ahead.
+const CACHED: usize = 1 << 21;
+
 /// Neighbours, and how far their pairs are known.
 struct Begun<R, A> {
     b: R,
@@ -63,7 +66,7 @@ where
         rows: &RowTable,
         outputs: ArrayVec<Option<&mut [f64]>, MOST_OUTPUTS>,
     ) {
-        parallel::for_chunks(list.len(), outputs, |start, mut outputs| {
+        parallel::for_chunks_of(parallel::DEAR_CHUNK, list.len(), outputs, |start, mut outputs| {
             let len = outputs.iter().flatten().map(|column| column.len()).next().unwrap_or(0);
             let mut results = [Lanes::<R::Scalar>::ZERO; MOST_OUTPUTS];
             let width = R::Scalar::BLOCKS * WIDTH;
@@ -109,6 +112,12 @@ where
         let mut sum = self.terms.zero();
         let lists: [&[[u32; WIDTH]]; 2] =
             std::array::from_fn(|k| if k < R::Scalar::BLOCKS { list.block(first / WIDTH + k) } else { &[] });
+        if rows.bytes() > CACHED {
+            for k in 0..R::Scalar::BLOCKS {
+                let later = list.block(first / WIDTH + R::Scalar::BLOCKS + k);
+                later.iter().for_each(|entry| R::Scalar::prefetch(rows, entry, R::SECOND));
+            }
+        }
         let longest = lists[0].len().max(lists[1].len());
         if longest > 0 {
             // The next neighbours are loaded and their pairs begun before the present ones are summed: loads,

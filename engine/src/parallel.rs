@@ -4,11 +4,14 @@
 //! results are combined along the same tree: the order of every sum is fixed by the number of
 //! particles alone. Nothing is allocated.
 
-use crate::lanes::WIDTH;
+use crate::lanes::{Lanes, WIDTH};
 use tracing::level_filters::LevelFilter;
 
-/// Largest number of particles in one chunk; a multiple of the SIMD width.
-pub const CHUNK: usize = 64 * WIDTH;
+/// Largest number of particles in one chunk; a multiple of the SIMD width. To hand out a chunk takes as long as a few
+/// particles.
+pub const CHUNK: usize = 256 * WIDTH;
+/// The same where a particle takes long: the threads are then done at about the same time.
+pub const DEAR_CHUNK: usize = 64 * WIDTH;
 
 /// Something that can be divided at a particle: a slice, or a tuple of such.
 pub trait Split: Send + Sized {
@@ -158,35 +161,31 @@ where
     combine(a, b)
 }
 
-/// Combines `value(particle)` over all particles in a fixed order: eight running results side by side
-/// in a chunk, so that the loop runs in SIMD registers, then along the tree of chunks.
-fn reduce<F, C>(len: usize, neutral: f64, value: F, combine: C) -> f64
-where
-    F: Fn(usize) -> f64 + Sync,
-    C: Fn(f64, f64) -> f64 + Sync,
-{
+/// Sum of a column in a fixed order.
+pub fn sum_of(column: &[f64]) -> f64 {
+    let body = |_: usize, column: &[f64], _: usize| {
+        let eight = column.chunks(WIDTH).map(|eight| Lanes::load_or(eight, 0.0));
+        eight.fold(Lanes::ZERO, |sum, eight| sum + eight).sum()
+    };
+    fold_chunks(column.len(), column, &body, &|a, b| a + b)
+}
+
+/// Largest `value(particle)`, minus infinity without particles; NaN wins over everything. Eight running results
+/// side by side in a chunk let the loop run in SIMD registers.
+pub fn maximum<F: Fn(usize) -> f64 + Sync>(len: usize, value: F) -> f64 {
+    let larger = |a: f64, b: f64| if a > b || a.is_nan() { a } else { b };
     let body = |start: usize, (), len: usize| {
-        let mut running = [neutral; WIDTH];
+        let mut running = [f64::NEG_INFINITY; WIDTH];
         let whole = len - len % WIDTH;
         for first in (start..start + whole).step_by(WIDTH) {
             for (lane, running) in running.iter_mut().enumerate() {
-                *running = combine(*running, value(first + lane));
+                *running = larger(*running, value(first + lane));
             }
         }
-        let rest = (start + whole..start + len).map(&value).fold(neutral, &combine);
-        running.into_iter().fold(rest, &combine)
+        let rest = (start + whole..start + len).map(&value).fold(f64::NEG_INFINITY, larger);
+        running.into_iter().fold(rest, larger)
     };
-    fold_chunks(len, (), &body, &combine)
-}
-
-/// Sum of `value(particle)` over all particles in a fixed order.
-pub fn sum<F: Fn(usize) -> f64 + Sync>(len: usize, value: F) -> f64 {
-    reduce(len, 0.0, value, |a, b| a + b)
-}
-
-/// Largest `value(particle)`, minus infinity without particles; NaN wins over everything.
-pub fn maximum<F: Fn(usize) -> f64 + Sync>(len: usize, value: F) -> f64 {
-    reduce(len, f64::NEG_INFINITY, value, |a, b| if a > b || a.is_nan() { a } else { b })
+    fold_chunks(len, (), &body, &larger)
 }
 
 #[cfg(test)]
@@ -196,12 +195,19 @@ mod tests {
     #[test]
     fn sums_have_the_same_bits_for_any_number_of_threads() {
         let value = |i: usize| ((i * 7919) % 1013) as f64 * 1e-3 + 1.0 / (1.0 + i as f64);
+        let column: Vec<f64> = (0..100_003).map(value).collect();
         let with = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| sum(100_003, value)).to_bits()
+            pool.install(|| sum_of(&column)).to_bits()
         };
         assert_eq!(with(1), with(2));
         assert_eq!(with(1), with(8));
+    }
+
+    #[test]
+    fn a_column_is_summed_to_its_end() {
+        let column: Vec<f64> = (0..10_003).map(f64::from).collect();
+        assert_eq!(sum_of(&column), 10_003.0 * 10_002.0 / 2.0);
     }
 
     #[test]

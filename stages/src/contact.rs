@@ -41,8 +41,8 @@ pub struct Approach<T: Scalar = f64> {
     rises: Rises<T>,
     /// Z_a and Z_b, kg/(m2 s).
     impedances: (Lanes<T>, Lanes<T>),
-    /// 1/|d|, 1/m.
-    inverse_distance: Lanes<T>,
+    /// 1/((Z_a + Z_b)|d|), m s/kg.
+    inverse_impedance_distance: Lanes<T>,
     /// 1/H, 1/m.
     inverse_support: Lanes<T>,
     /// 1/(Z_a + Z_b), m2 s/kg.
@@ -55,12 +55,12 @@ pub trait Reconstruction<R: FlowState>: Copy + Send + Sync {
     const OPERATIONS: u64;
 
     /// Half-steps from a and b towards the contact along d, times the distance, and the jump that
-    /// P* feels, times the distance, all in m2/s. `jump` is (U_b - U_a) . d.
+    /// P* feels, times the distance, all in m2/s. `squares` are d_r^2, d_r d_z and d_z^2, `jump` is (U_b - U_a) . d.
     fn reconstruct(
         &self,
         a: &R,
         b: &R,
-        d: (Lanes<R::Scalar>, Lanes<R::Scalar>),
+        squares: (Lanes<R::Scalar>, Lanes<R::Scalar>, Lanes<R::Scalar>),
         jump: Lanes<R::Scalar>,
         inverse_distance: Lanes<R::Scalar>,
     ) -> Rises<R::Scalar>;
@@ -102,7 +102,7 @@ impl<R: FlowState> Reconstruction<R> for FirstOrder {
         &self,
         _: &R,
         _: &R,
-        _: (Lanes<R::Scalar>, Lanes<R::Scalar>),
+        _: (Lanes<R::Scalar>, Lanes<R::Scalar>, Lanes<R::Scalar>),
         jump: Lanes<R::Scalar>,
         _: Lanes<R::Scalar>,
     ) -> Rises<R::Scalar> {
@@ -128,7 +128,7 @@ impl<T: Scalar> Reconstruction<ShockRecord<T>> for Shock {
         &self,
         _: &ShockRecord<T>,
         _: &ShockRecord<T>,
-        _: (Lanes<T>, Lanes<T>),
+        _: (Lanes<T>, Lanes<T>, Lanes<T>),
         jump: Lanes<T>,
         _: Lanes<T>,
     ) -> Rises<T> {
@@ -168,11 +168,10 @@ impl<R: DeformationState> Reconstruction<R> for Limited {
         &self,
         a: &R,
         b: &R,
-        (dr, dz): (Lanes<R::Scalar>, Lanes<R::Scalar>),
+        (dr_dr, dr_dz, dz_dz): (Lanes<R::Scalar>, Lanes<R::Scalar>, Lanes<R::Scalar>),
         jump: Lanes<R::Scalar>,
         inverse_distance: Lanes<R::Scalar>,
     ) -> Rises<R::Scalar> {
-        let (dr_dr, dr_dz, dz_dz) = (dr * dr, dr * dz, dz * dz);
         // d . grad U . d needs the symmetric part of the gradient alone.
         let along = |record: &R| {
             let g = record.deformation();
@@ -234,7 +233,8 @@ impl<R: FlowState, G: Geometry, F: Reconstruction<R>> Interaction<R> for Contact
         let (a, b) = (record_a.flow(), record_b.flow());
         let (dr, dz) = (a.r.to(b.r), a.z.to(b.z));
         // A particle is its own neighbour where a list is filled up: its distance must not divide by zero.
-        let square = (dr * dr + dz * dz).max(Lanes::splat(R::Scalar::LEAST));
+        let (dr_dr, dz_dz) = (dr * dr, dz * dz);
+        let square = (dr_dr + dz_dz).max(Lanes::splat(R::Scalar::LEAST));
         let distance = square.sqrt();
         let support = a.reach + b.reach;
         let (du, dw) = (b.velocity_r - a.velocity_r, b.velocity_z - a.velocity_z);
@@ -242,20 +242,22 @@ impl<R: FlowState, G: Geometry, F: Reconstruction<R>> Interaction<R> for Contact
         let impedances = self.reconstruction.impedances(record_a, record_b, jump, distance);
         let impedance = impedances.0 + impedances.1;
 
-        // One division gives the three inverses.
-        let support_impedance = support * impedance;
-        let inverse = Lanes::ONE / (support_impedance * distance);
-        let inverse_distance = inverse * support_impedance;
-        let rises = self.reconstruction.reconstruct(record_a, record_b, (dr, dz), jump, inverse_distance);
+        // One division gives all inverses.
+        let impedance_distance = impedance * distance;
+        let inverse = Lanes::ONE / (support * impedance_distance);
+        let inverse_impedance_distance = inverse * support;
+        let inverse_distance = inverse_impedance_distance * impedance;
+        let squares = (dr_dr, dr * dz, dz_dz);
+        let rises = self.reconstruction.reconstruct(record_a, record_b, squares, jump, inverse_distance);
         Approach {
             dr,
             dz,
             distance,
             rises,
             impedances,
-            inverse_distance,
-            inverse_support: inverse * distance * impedance,
-            inverse_impedance: inverse * distance * support,
+            inverse_impedance_distance,
+            inverse_support: inverse * impedance_distance,
+            inverse_impedance: inverse_impedance_distance * distance,
         }
     }
 
@@ -269,7 +271,14 @@ impl<R: FlowState, G: Geometry, F: Reconstruction<R>> Interaction<R> for Contact
     ) -> Contact<R::Scalar> {
         let (a, b) = (record_a.flow(), record_b.flow());
         let &Approach {
-            dr, dz, distance, rises, inverse_distance, inverse_support, inverse_impedance, ..
+            dr,
+            dz,
+            distance,
+            rises,
+            inverse_impedance_distance,
+            inverse_support,
+            inverse_impedance,
+            ..
         } = approach;
         let (impedance_a, impedance_b) = approach.impedances;
 
@@ -281,7 +290,7 @@ impl<R: FlowState, G: Geometry, F: Reconstruction<R>> Interaction<R> for Contact
         // Equations (19) and (20), the velocities relative to U_a.
         let carried = impedance_a.mul_add(rises.left, impedance_b * rises.right);
         let pushed = (a.pressure - b.pressure) * distance;
-        let resistance = impedance_a * impedance_b * inverse_impedance;
+        let resistance = impedance_a * impedance_b * inverse_impedance_distance;
         let area_kernel = b.area * kernel;
         Contact {
             dr,
@@ -291,7 +300,7 @@ impl<R: FlowState, G: Geometry, F: Reconstruction<R>> Interaction<R> for Contact
             weight_kernel: area_kernel * self.geometry.factor(own, record_a, record_b),
             rise: (carried + pushed) * inverse_impedance,
             pressure: b.pressure.mul_add(impedance_a, a.pressure * impedance_b) * inverse_impedance,
-            dissipation: -(resistance * rises.jump * inverse_distance),
+            dissipation: -(resistance * rises.jump),
         }
     }
 }

@@ -88,7 +88,7 @@ impl Stage for MomentumCorrection {
                 }
             });
         } else if self.recoil != Recoil::None {
-            let whole = parallel::sum(mass.len(), |i| mass[i]);
+            let whole = parallel::sum_of(mass);
             let body = |start: usize, (), len: usize| {
                 let mut force = 0.0;
                 for_surface(&surface[start..start + len], |k| {

@@ -67,8 +67,8 @@ impl SortBin {
                 let (dr, dz) = (radius - load(list_r, 1.0), load(z, 0.0) - load(list_z, 0.0));
                 let area = load(mass, 0.0) / (two_pi * (radius + origin) * load(density, 1.0));
                 let reach = two_theta * area.sqrt().min(largest);
-                let left = load(list_reach, 1.0) - reach - dr.mul_add(dr, dz * dz).sqrt();
-                left.all_positive()
+                let room = load(list_reach, 1.0) - reach;
+                room.min(room * room - dr.mul_add(dr, dz * dz)).all_positive()
             })
         };
         parallel::fold_chunks(r.len(), columns, &body, &|a, b| a && b)

@@ -172,7 +172,10 @@ impl Observer {
     /// The axial centre of mass of what lies within `reach` of a point of the axis: a drop may drift,
     /// and its shape is measured about where it is.
     fn centre_of_mass(&self, particles: &Particles, centre: f64, reach: f64) -> f64 {
-        let near = |&i: &usize| (particles.r[i] + self.origin).hypot(particles.z[i] - centre) < reach;
+        let near = |&i: &usize| {
+            let (r, z) = (particles.r[i] + self.origin, particles.z[i] - centre);
+            r * r + z * z < reach * reach
+        };
         let (sum, mass) = (0..particles.r.len()).filter(near).fold((0.0, 0.0), |(sum, mass), i| {
             (sum + particles.mass[i] * particles.z[i], mass + particles.mass[i])
         });
@@ -182,7 +185,7 @@ impl Observer {
     fn observe_measure(&self, particles: &Particles, measure: &Measure, (time, rms): (f64, f64)) -> Vec<f64> {
         let place = |i: usize, centre: f64| {
             let (r, z) = (particles.r[i] + self.origin, particles.z[i] - centre);
-            (r.hypot(z), z)
+            ((r * r + z * z).sqrt(), z)
         };
         let all = 0..particles.r.len();
         let near = self.physics.particle_size;

@@ -67,6 +67,9 @@ pub trait Packed: Scalar {
     /// Loads rows and turns them into slots.
     fn load(rows: &RowTable, particles: [&[u32; WIDTH]; 2], with_second: bool) -> Slots<Self>;
 
+    /// Asks for the rows of eight particles, so that they lie in the caches when they are loaded.
+    fn prefetch(rows: &RowTable, particles: &[u32; WIDTH], with_second: bool);
+
     /// Writes as many results as there are lanes in SI units: `scale` times those of single precision, whose
     /// lengths have a unit of their own.
     ///
@@ -103,6 +106,16 @@ impl Packed for f64 {
             [Lanes::ZERO; WIDTH / 2]
         };
         Slots { first, second, coordinate: first[0] }
+    }
+
+    #[inline(always)]
+    fn prefetch(rows: &RowTable, particles: &[u32; WIDTH], with_second: bool) {
+        for &particle in particles {
+            prefetch(&rows.first, particle as usize);
+            if with_second {
+                prefetch(&rows.second, particle as usize);
+            }
+        }
     }
 
     #[inline(always)]
@@ -146,6 +159,11 @@ impl Packed for f32 {
         let [coordinate, ..] = quarter(3);
         let first = [r, z, reach, area, velocity_r, velocity_z, pressure, impedance];
         Slots { first, second: quarter(2), coordinate }
+    }
+
+    #[inline(always)]
+    fn prefetch(rows: &RowTable, particles: &[u32; WIDTH], _: bool) {
+        particles.iter().for_each(|&particle| prefetch(&rows.single, particle as usize));
     }
 
     #[inline(always)]
@@ -209,6 +227,18 @@ impl SingleRow {
         for (SingleRow(slots), first) in rows.iter_mut().zip(first) {
             slots[..WIDTH].copy_from_slice(&first.to_array());
         }
+    }
+}
+
+/// Asks for a value, so that it lies in the caches when it is needed; nothing happens if there is none of that number.
+#[inline(always)]
+fn prefetch<T>(values: &[T], number: usize) {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+        let address = values.as_ptr().wrapping_add(number);
+        // SAFETY: a prefetch is a hint: it never faults, wherever the address lies; SSE is part of x86-64.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(address.cast()) };
     }
 }
 
