@@ -28,39 +28,46 @@ pub struct Contact<T: Scalar = f64> {
     pub dissipation: Lanes<T>,
 }
 
-/// Two particles before their contact is known: what roots and divisions give.
+/// Two particles before their contact is known: what comes before roots and divisions, and their results, which
+/// nothing here waits for.
 #[derive(Clone, Copy, Debug)]
-pub struct Approach<T: Scalar = f64> {
+pub struct Approach<T: Scalar, B> {
     /// r_b - r_a, m.
     dr: Lanes<T>,
     /// z_b - z_a, m.
     dz: Lanes<T>,
     /// |d|, m.
     distance: Lanes<T>,
-    /// What a reconstruction gives.
-    rises: Rises<T>,
+    /// (U_b - U_a) . d, m2/s.
+    jump: Lanes<T>,
+    /// A reconstruction under way.
+    begun: B,
     /// Z_a and Z_b, kg/(m2 s).
     impedances: (Lanes<T>, Lanes<T>),
-    /// 1/((Z_a + Z_b)|d|), m s/kg.
-    inverse_impedance_distance: Lanes<T>,
-    /// 1/H, 1/m.
-    inverse_support: Lanes<T>,
-    /// 1/(Z_a + Z_b), m2 s/kg.
-    inverse_impedance: Lanes<T>,
+    /// H, m.
+    support: Lanes<T>,
+    /// (Z_a + Z_b)|d|, kg/(m s).
+    impedance_distance: Lanes<T>,
+    /// One over the product of both.
+    inverse: Lanes<T>,
 }
 
 /// How velocities are brought to the contact.
 pub trait Reconstruction<R: FlowState>: Copy + Send + Sync {
-    /// Floating-point operations of both functions, counted as a pair term's.
+    /// Floating-point operations of all functions, counted as a pair term's.
     const OPERATIONS: u64;
 
-    /// Half-steps from a and b towards the contact along d, times the distance, and the jump that
-    /// P* feels, times the distance, all in m2/s. `squares` are d_r^2, d_r d_z and d_z^2, `jump` is (U_b - U_a) . d.
+    /// What is computed of a pair a neighbour ahead.
+    type Begun: Copy;
+
+    /// Begins with a pair. `squares` are d_r^2, d_r d_z and d_z^2, `jump` is (U_b - U_a) . d.
+    fn begin(&self, a: &R, b: &R, squares: [Lanes<R::Scalar>; 3], jump: Lanes<R::Scalar>) -> Self::Begun;
+
+    /// Steps from a and b towards the contact along d, times the distance, and the jump that
+    /// P* feels, times the distance, all in m2/s.
     fn reconstruct(
         &self,
-        a: &R,
-        b: &R,
-        squares: (Lanes<R::Scalar>, Lanes<R::Scalar>, Lanes<R::Scalar>),
+        begun: &Self::Begun,
         jump: Lanes<R::Scalar>,
         inverse_distance: Lanes<R::Scalar>,
     ) -> Rises<R::Scalar>;
@@ -96,16 +103,13 @@ pub struct FirstOrder;
 
 impl<R: FlowState> Reconstruction<R> for FirstOrder {
     const OPERATIONS: u64 = 0;
+    type Begun = ();
 
     #[inline(always)]
-    fn reconstruct(
-        &self,
-        _: &R,
-        _: &R,
-        _: (Lanes<R::Scalar>, Lanes<R::Scalar>, Lanes<R::Scalar>),
-        jump: Lanes<R::Scalar>,
-        _: Lanes<R::Scalar>,
-    ) -> Rises<R::Scalar> {
+    fn begin(&self, _: &R, _: &R, _: [Lanes<R::Scalar>; 3], _: Lanes<R::Scalar>) {}
+
+    #[inline(always)]
+    fn reconstruct(&self, _: &(), jump: Lanes<R::Scalar>, _: Lanes<R::Scalar>) -> Rises<R::Scalar> {
         Rises { left: Lanes::ZERO, right: jump, jump }
     }
 }
@@ -122,16 +126,13 @@ pub struct Shock {
 
 impl<T: Scalar> Reconstruction<ShockRecord<T>> for Shock {
     const OPERATIONS: u64 = 6;
+    type Begun = ();
 
     #[inline(always)]
-    fn reconstruct(
-        &self,
-        _: &ShockRecord<T>,
-        _: &ShockRecord<T>,
-        _: (Lanes<T>, Lanes<T>, Lanes<T>),
-        jump: Lanes<T>,
-        _: Lanes<T>,
-    ) -> Rises<T> {
+    fn begin(&self, _: &ShockRecord<T>, _: &ShockRecord<T>, _: [Lanes<T>; 3], _: Lanes<T>) {}
+
+    #[inline(always)]
+    fn reconstruct(&self, _: &(), jump: Lanes<T>, _: Lanes<T>) -> Rises<T> {
         Rises { left: Lanes::ZERO, right: jump, jump }
     }
 
@@ -162,16 +163,16 @@ pub struct Limited {
 
 impl<R: DeformationState> Reconstruction<R> for Limited {
     const OPERATIONS: u64 = 33;
+    type Begun = Halves<R::Scalar>;
 
     #[inline(always)]
-    fn reconstruct(
+    fn begin(
         &self,
         a: &R,
         b: &R,
-        (dr_dr, dr_dz, dz_dz): (Lanes<R::Scalar>, Lanes<R::Scalar>, Lanes<R::Scalar>),
+        [dr_dr, dr_dz, dz_dz]: [Lanes<R::Scalar>; 3],
         jump: Lanes<R::Scalar>,
-        inverse_distance: Lanes<R::Scalar>,
-    ) -> Rises<R::Scalar> {
+    ) -> Halves<R::Scalar> {
         // d . grad U . d needs the symmetric part of the gradient alone.
         let along = |record: &R| {
             let g = record.deformation();
@@ -184,10 +185,21 @@ impl<R: DeformationState> Reconstruction<R> for Limited {
         let smallest = Lanes::splat(R::Scalar::TINY);
         let safe = |product: Lanes<R::Scalar>, along| product.select_greater(smallest, along, Lanes::ONE);
         let (safe_a, safe_b) = (safe(product_a, along_a), safe(product_b, along_b));
-        let inverse = Lanes::HALF / (safe_a * safe_b);
-        let half_a = product_a.select_greater(smallest, product_a * safe_b * inverse, Lanes::ZERO);
-        let half_b = product_b.select_greater(smallest, product_b * safe_a * inverse, Lanes::ZERO);
+        Halves {
+            a: product_a.select_greater(smallest, product_a * safe_b, Lanes::ZERO),
+            b: product_b.select_greater(smallest, product_b * safe_a, Lanes::ZERO),
+            factor: Lanes::HALF / (safe_a * safe_b),
+        }
+    }
 
+    #[inline(always)]
+    fn reconstruct(
+        &self,
+        halves: &Halves<R::Scalar>,
+        jump: Lanes<R::Scalar>,
+        inverse_distance: Lanes<R::Scalar>,
+    ) -> Rises<R::Scalar> {
+        let (half_a, half_b) = (halves.a * halves.factor, halves.b * halves.factor);
         let reconstructed = jump - half_a - half_b;
         let roughness =
             (Lanes::splat(self.sharpness) * inverse_distance * reconstructed.abs()).min(Lanes::ONE);
@@ -197,6 +209,14 @@ impl<R: DeformationState> Reconstruction<R> for Limited {
             jump: roughness.mul_add(jump - reconstructed, reconstructed),
         }
     }
+}
+
+/// The limited half-steps from both particles, before they are multiplied by their common factor.
+#[derive(Clone, Copy, Debug)]
+pub struct Halves<T: Scalar> {
+    a: Lanes<T>,
+    b: Lanes<T>,
+    factor: Lanes<T>,
 }
 
 /// The acoustic Riemann problem on the pair axis with a scheme's weights.
@@ -217,7 +237,7 @@ const OPERATIONS: u64 = 48;
 impl<R: FlowState, G: Geometry, F: Reconstruction<R>> Interaction<R> for ContactProblem<G, F> {
     type Pair = Contact<R::Scalar>;
     type Own = AxisState<R::Scalar>;
-    type Approach = Approach<R::Scalar>;
+    type Approach = Approach<R::Scalar, F::Begun>;
 
     #[inline(always)]
     fn prepare(&self, a: &R) -> AxisState<R::Scalar> {
@@ -229,36 +249,21 @@ impl<R: FlowState, G: Geometry, F: Reconstruction<R>> Interaction<R> for Contact
     }
 
     #[inline(always)]
-    fn approach(&self, record_a: &R, record_b: &R) -> Approach<R::Scalar> {
+    fn approach(&self, record_a: &R, record_b: &R) -> Self::Approach {
         let (a, b) = (record_a.flow(), record_b.flow());
         let (dr, dz) = (a.r.to(b.r), a.z.to(b.z));
-        // A particle is its own neighbour where a list is filled up: its distance must not divide by zero.
         let (dr_dr, dz_dz) = (dr * dr, dz * dz);
+        // A particle is its own neighbour where a list is filled up: its distance must not divide by zero.
         let square = (dr_dr + dz_dz).max(Lanes::splat(R::Scalar::LEAST));
         let distance = square.sqrt();
-        let support = a.reach + b.reach;
         let (du, dw) = (b.velocity_r - a.velocity_r, b.velocity_z - a.velocity_z);
         let jump = du.mul_add(dr, dw * dz);
+        let begun = self.reconstruction.begin(record_a, record_b, [dr_dr, dr * dz, dz_dz], jump);
         let impedances = self.reconstruction.impedances(record_a, record_b, jump, distance);
-        let impedance = impedances.0 + impedances.1;
-
+        let (support, impedance_distance) = (a.reach + b.reach, (impedances.0 + impedances.1) * distance);
         // One division gives all inverses.
-        let impedance_distance = impedance * distance;
         let inverse = Lanes::ONE / (support * impedance_distance);
-        let inverse_impedance_distance = inverse * support;
-        let inverse_distance = inverse_impedance_distance * impedance;
-        let squares = (dr_dr, dr * dz, dz_dz);
-        let rises = self.reconstruction.reconstruct(record_a, record_b, squares, jump, inverse_distance);
-        Approach {
-            dr,
-            dz,
-            distance,
-            rises,
-            impedances,
-            inverse_impedance_distance,
-            inverse_support: inverse * impedance_distance,
-            inverse_impedance: inverse_impedance_distance * distance,
-        }
+        Approach { dr, dz, distance, jump, begun, impedances, support, impedance_distance, inverse }
     }
 
     #[inline(always)]
@@ -267,20 +272,16 @@ impl<R: FlowState, G: Geometry, F: Reconstruction<R>> Interaction<R> for Contact
         record_a: &R,
         own: &AxisState<R::Scalar>,
         record_b: &R,
-        approach: &Approach<R::Scalar>,
+        approach: &Self::Approach,
     ) -> Contact<R::Scalar> {
         let (a, b) = (record_a.flow(), record_b.flow());
-        let &Approach {
-            dr,
-            dz,
-            distance,
-            rises,
-            inverse_impedance_distance,
-            inverse_support,
-            inverse_impedance,
-            ..
-        } = approach;
+        let &Approach { dr, dz, distance, jump, support, impedance_distance, inverse, .. } = approach;
         let (impedance_a, impedance_b) = approach.impedances;
+        let inverse_support = inverse * impedance_distance;
+        let inverse_impedance_distance = inverse * support;
+        let inverse_impedance = inverse_impedance_distance * distance;
+        let inverse_distance = inverse_impedance_distance * (impedance_a + impedance_b);
+        let rises = self.reconstruction.reconstruct(&approach.begun, jump, inverse_distance);
 
         let inside = distance.neg_mul_add(inverse_support, Lanes::ONE).max(Lanes::ZERO);
         let inverse_square = inverse_support * inverse_support;
