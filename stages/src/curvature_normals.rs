@@ -3,9 +3,12 @@
 use crate::curvature_colour::capillary_bound;
 use crate::equation_of_state::Packing;
 use crate::fields;
-use crate::surface::INSIDE;
+use crate::surface::for_surface;
+use crate::surface_layer::SurfaceLayer;
 use meniscus_engine::bins::Bins;
-use meniscus_engine::neighbours::Image;
+use meniscus_engine::field::clear;
+use meniscus_engine::lanes::{Lanes, WIDTH};
+use meniscus_engine::neighbours::{Image, NeighbourList};
 use meniscus_engine::parallel;
 use meniscus_engine::pipeline::{Fault, Stage, World};
 use meniscus_engine::store::{Read, Write, bytes_of};
@@ -24,10 +27,20 @@ pub struct CurvatureNormals {
     surface: Read<u32>,
     pressure: Write<f64>,
     rate: Write<f64>,
-    images: Vec<Image>,
-    points: [Vec<f64>; 3],
-    bins: Bins,
+    /// Particles at the surface, and those and their neighbours, whose normals count.
+    flagged: Vec<u32>,
+    with_normal: Vec<u32>,
+    has_normal: Vec<bool>,
+    /// Normals, of those particles alone.
     normals: Vec<[f64; 2]>,
+    found: Vec<[f64; 2]>,
+    layer: SurfaceLayer,
+    images: Vec<Image>,
+    /// Particles and images near the surface: r, z and size in m; which particle each is, and whether mirrored.
+    points: [Vec<f64>; 3],
+    sources: Vec<(u32, bool)>,
+    bins: Bins,
+    sorted: [Vec<f64>; 3],
     largest: f64,
     step_bound: f64,
 }
@@ -51,81 +64,132 @@ impl CurvatureNormals {
             surface: wiring.read(&fields::SURFACE),
             pressure: wiring.write(&fields::LAPLACE_PRESSURE),
             rate: wiring.write(&fields::LAPLACE_PRESSURE_RATE),
+            flagged: Vec::new(),
+            with_normal: Vec::new(),
+            has_normal: Vec::new(),
+            normals: Vec::new(),
+            found: Vec::new(),
+            layer: SurfaceLayer::default(),
             images: Vec::new(),
             points: Default::default(),
+            sources: Vec::new(),
             bins: Bins::default(),
-            normals: Vec::new(),
+            sorted: Default::default(),
             largest: 0.0,
             step_bound: capillary_bound(surface_tension, density, packing.theta * packing.largest_size),
         }
     }
 
-    /// Particles and images, sorted for a search within the wider support.
-    fn gather(&mut self, r: &[f64], z: &[f64], size: &[f64]) {
-        let Packing { domain, largest_size, .. } = self.packing;
-        self.largest = parallel::maximum(size.len(), |i| size[i]).min(largest_size);
-        let support = 4.0 * self.normal_theta * self.largest;
-        domain.images(r, z, support, &mut self.images);
-        for (points, own) in self.points.iter_mut().zip([r, z, size]) {
-            points.clear();
-            points.extend(own);
-        }
-        for image in &self.images {
-            let source = image.source as usize;
-            let (image_r, image_z) = domain.place(image, r[source], z[source]);
-            self.points[0].push(image_r);
-            self.points[1].push(image_z);
-            self.points[2].push(size[source]);
-        }
-        self.bins.build(&self.points[0], &self.points[1], 0.25 * support);
-    }
-
-    /// Calls `visit(b, dr, dz, V_b g/d)` for every point within the pair's support radius.
-    fn neighbours(&self, a: usize, theta: f64, mut visit: impl FnMut(usize, [f64; 2], f64)) {
-        let [r, z, size] = &self.points;
-        let most = self.largest;
-        self.bins.near(r[a], z[a], 4.0 * theta * most, |range| {
-            for &b in &self.bins.members()[range] {
-                let b = b as usize;
-                let d = [r[b] - r[a], z[b] - z[a]];
-                let support = 2.0 * theta * (size[a].min(most) + size[b].min(most));
-                let square = d[0] * d[0] + d[1] * d[1];
-                if b != a && square < support * support {
-                    let inside = 1.0 - square.sqrt() / support;
-                    let kernel = 140.0 / PI * (inside * inside * inside) / support.powi(4);
-                    visit(b, d, size[b] * size[b] * kernel);
+    /// A surface particle's neighbours lie within two supports of the surface; their normals count.
+    fn choose(&mut self, surface: &[u32], list: &NeighbourList) {
+        self.has_normal.clear();
+        self.has_normal.resize(surface.len(), false);
+        self.flagged.clear();
+        self.with_normal.clear();
+        for_surface(surface, |a| {
+            self.flagged.push(a as u32);
+            for b in list.of(a).map(|number| list.source(number)).chain([a]) {
+                if !self.has_normal[b] {
+                    self.has_normal[b] = true;
+                    self.with_normal.push(b as u32);
                 }
             }
         });
     }
 
-    fn normal(&self, a: usize) -> [f64; 2] {
-        let mut sum = [0.0; 2];
-        self.neighbours(a, self.normal_theta, |_, d, weight| {
-            sum[0] -= weight * d[0];
-            sum[1] -= weight * d[1];
+    /// Particles and images near the surface, sorted for a search within the wider support.
+    fn gather(&mut self, r: &[f64], z: &[f64], size: &[f64]) {
+        let Packing { domain, largest_size, .. } = self.packing;
+        self.largest = parallel::maximum(size.len(), |i| size[i]).min(largest_size);
+        let support = 4.0 * self.normal_theta * self.largest;
+        self.layer.mark([r, z], &self.with_normal, support);
+        domain.images(r, z, support, &mut self.images);
+        self.points.iter_mut().for_each(Vec::clear);
+        self.sources.clear();
+        let mut push = |source: usize, mirrored: bool, (r, z): (f64, f64)| {
+            if self.layer.contains(r, z) {
+                for (column, value) in self.points.iter_mut().zip([r, z, size[source]]) {
+                    column.push(value);
+                }
+                self.sources.push((source as u32, mirrored));
+            }
+        };
+        for (source, place) in r.iter().copied().zip(z.iter().copied()).enumerate() {
+            push(source, false, place);
+        }
+        for image in &self.images {
+            let source = image.source as usize;
+            push(source, image.mirrored, domain.place(image, r[source], z[source]));
+        }
+        self.bins.build(&self.points[0], &self.points[1], 0.25 * support);
+        // From here on they stand in the order of the cells, and behind them fill for the last lanes.
+        for (column, sorted) in self.points.iter().zip(&mut self.sorted) {
+            sorted.clear();
+            sorted.extend(self.bins.members().iter().map(|&member| column[member as usize]));
+            sorted.resize(column.len() + WIDTH, 0.0);
+        }
+    }
+
+    /// Eight points at a time: they are many within the wider support.
+    fn normal(&self, [r_a, z_a, size_a]: [f64; 3]) -> [f64; 2] {
+        let [r, z, size] = &self.sorted;
+        let theta = Lanes::splat(2.0 * self.normal_theta);
+        let most = Lanes::splat(self.largest);
+        let own = Lanes::splat(size_a.min(self.largest));
+        let mut sum = [Lanes::ZERO; 2];
+        self.bins.near(r_a, z_a, 4.0 * self.normal_theta * self.largest, |range| {
+            for start in range.clone().step_by(WIDTH) {
+                let load = |column: &[f64]| Lanes::load(&column[start..]);
+                let size = load(size).keep_first((range.end - start).min(WIDTH));
+                let d = [load(r) - Lanes::splat(r_a), load(z) - Lanes::splat(z_a)];
+                let support = theta * (own + size.min(most));
+                let distance = d[0].mul_add(d[0], d[1] * d[1]).sqrt();
+                let inside = (Lanes::ONE - distance / support).max(Lanes::ZERO);
+                let square = support * support;
+                // V_b g/d but for its constant factor, which a direction doesn't need.
+                let weight = size * size * inside * inside * inside / (square * square);
+                sum = [weight.neg_mul_add(d[0], sum[0]), weight.neg_mul_add(d[1], sum[1])];
+            }
         });
+        let sum = sum.map(|lanes| lanes.sum());
         let length = sum[0].hypot(sum[1]);
         if length > 0.0 { [sum[0] / length, sum[1] / length] } else { sum }
     }
 
-    fn curvature(&self, a: usize, particles: usize) -> f64 {
-        let n_a = self.normals[a];
+    fn curvature(&self, n_a: [f64; 2], [r_a, z_a, size_a]: [f64; 3]) -> f64 {
+        let ([r, z, size], theta, most) = (&self.sorted, self.packing.theta, self.largest);
         let (mut upper, mut lower) = (0.0, 0.0);
-        self.neighbours(a, self.packing.theta, |b, d, weight| {
-            let n_b = match b.checked_sub(particles) {
-                None => self.normals[b],
-                Some(image) => {
-                    let image = &self.images[image];
-                    let [r, z] = self.normals[image.source as usize];
-                    if image.mirrored { [-r, z] } else { [r, z] }
+        self.bins.near(r_a, z_a, 4.0 * theta * most, |range| {
+            for b in range {
+                let d = [r[b] - r_a, z[b] - z_a];
+                let support = 2.0 * theta * (size_a.min(most) + size[b].min(most));
+                let square = d[0] * d[0] + d[1] * d[1];
+                // At distance zero lies the particle itself.
+                if square > 0.0 && square < support * support {
+                    let inside = 1.0 - square.sqrt() / support;
+                    let kernel = 140.0 / PI * (inside * inside * inside) / support.powi(4);
+                    let weight = size[b] * size[b] * kernel;
+                    let (source, mirrored) = self.sources[self.bins.members()[b] as usize];
+                    let [normal_r, normal_z] = self.normals[source as usize];
+                    let n_b = if mirrored { [-normal_r, normal_z] } else { [normal_r, normal_z] };
+                    upper += weight * ((n_b[0] - n_a[0]) * d[0] + (n_b[1] - n_a[1]) * d[1]);
+                    lower += weight * square;
                 }
-            };
-            upper += weight * ((n_b[0] - n_a[0]) * d[0] + (n_b[1] - n_a[1]) * d[1]);
-            lower += weight * (d[0] * d[0] + d[1] * d[1]);
+            }
         });
         let planar = if lower > 0.0 { 2.0 * upper / lower } else { 0.0 };
-        planar + n_a[0] / (self.points[0][a] + self.packing.domain.origin)
+        planar + n_a[0] / (r_a + self.packing.domain.origin)
+    }
+
+    /// `value(particle)` of all in a list, on all threads.
+    fn of_all(found: &mut Vec<[f64; 2]>, particles: &[u32], value: impl Fn(usize) -> [f64; 2] + Sync) {
+        found.clear();
+        found.resize(particles.len(), [0.0; 2]);
+        parallel::for_chunks_of(32, particles.len(), &mut found[..], |start, found| {
+            for (k, found) in found.iter_mut().enumerate() {
+                *found = value(particles[start + k] as usize);
+            }
+        });
     }
 }
 
@@ -135,38 +199,35 @@ impl Stage for CurvatureNormals {
     }
 
     fn bytes(&self) -> usize {
-        self.points.iter().map(bytes_of).sum::<usize>() + bytes_of(&self.normals) + self.bins.bytes()
+        let numbers = [&self.flagged, &self.with_normal].map(bytes_of).iter().sum::<usize>();
+        let points =
+            self.points.iter().chain(&self.sorted).map(bytes_of).sum::<usize>() + bytes_of(&self.sources);
+        let normals = bytes_of(&self.has_normal) + bytes_of(&self.normals) + bytes_of(&self.found);
+        numbers + points + normals + self.bins.bytes() + self.layer.bytes()
     }
 
     fn run(&mut self, world: &mut World) -> Result<(), Fault> {
         let [r, z] = self.position.map(|field| world.store.read(field));
         let (size, surface) = (world.store.read(self.size), world.store.read(self.surface));
+        self.choose(&surface, &world.neighbours);
         self.gather(&r, &z, &size);
-        let mut normals = std::mem::take(&mut self.normals);
-        normals.resize(r.len(), [0.0; 2]);
-        // A surface particle's neighbours lie within two supports of the surface; their normals count.
-        let list = &world.neighbours;
-        let wanted = |a: usize| {
-            surface[a] != INSIDE || list.of(a).any(|number| surface[list.source(number)] != INSIDE)
-        };
-        let this = &*self;
-        parallel::for_chunks(r.len(), &mut normals[..], |start, normals| {
-            for (k, normal) in normals.iter_mut().enumerate() {
-                *normal = if wanted(start + k) { this.normal(start + k) } else { [0.0; 2] };
-            }
-        });
-        self.normals = normals;
-        let this = &*self;
+        self.normals.resize(r.len(), [0.0; 2]);
+        let (r, z, size) = (&r[..], &z[..], &size[..]);
+        let place = |a: usize| [r[a], z[a], size[a]];
+        let mut found = std::mem::take(&mut self.found);
+        Self::of_all(&mut found, &self.with_normal, |a| self.normal(place(a)));
+        for (&a, &normal) in self.with_normal.iter().zip(&found) {
+            self.normals[a as usize] = normal;
+        }
+        Self::of_all(&mut found, &self.flagged, |a| [self.curvature(self.normals[a], place(a)), 0.0]);
         let (mut pressure, mut rate) = (world.store.write(self.pressure), world.store.write(self.rate));
-        rate.fill(0.0);
+        clear(&mut rate[..]);
+        clear(&mut pressure[..]);
+        for (&a, &[curvature, _]) in self.flagged.iter().zip(&found) {
+            pressure[a as usize] = self.surface_tension * curvature;
+        }
+        self.found = found;
         world.clock.limit("surface tension", self.step_bound);
-        parallel::for_chunks(r.len(), &mut pressure[..], |start, pressure| {
-            for (k, pressure) in pressure.iter_mut().enumerate() {
-                let a = start + k;
-                let flagged = surface[a] != INSIDE;
-                *pressure = if flagged { this.surface_tension * this.curvature(a, r.len()) } else { 0.0 };
-            }
-        });
         Ok(())
     }
 }
