@@ -162,7 +162,7 @@ pub struct Limited {
 }
 
 impl<R: DeformationState> Reconstruction<R> for Limited {
-    const OPERATIONS: u64 = 33;
+    const OPERATIONS: u64 = 30;
     type Begun = Halves<R::Scalar>;
 
     #[inline(always)]

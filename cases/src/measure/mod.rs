@@ -12,6 +12,7 @@ pub mod growth;
 mod history;
 mod jet;
 pub mod large;
+mod motion;
 mod neck;
 mod observe;
 pub mod potential;

@@ -2,6 +2,7 @@
 
 use super::columns::{columns_of, with_index};
 use super::exact::Drop;
+use super::motion::{Motion, mass_sum};
 use super::surface::Surface;
 use super::{film, flow, free_surface, jet, large, neck, spread};
 use crate::assemble::Physics;
@@ -9,6 +10,7 @@ use crate::scene::legendre;
 use crate::scene::{Liquid, Measure, Scene};
 use crate::simulation::Simulation;
 use meniscus_engine::field::Field;
+use meniscus_engine::parallel;
 use meniscus_stages::fields;
 
 /// Name and SI unit of what is observed.
@@ -20,7 +22,7 @@ pub struct Quantity {
     pub unit: &'static str,
 }
 
-/// Observes a run. Sums run over the particles in their memory order on one thread: the same for any
+/// Observes a run. Sums run over the particles in their memory order, chunks in a fixed one: the same for any
 /// number of threads, and for a resumed run.
 pub struct Observer {
     physics: Physics,
@@ -128,25 +130,29 @@ impl Observer {
 
     fn observe_motion(&self, particles: &Particles, row: &mut Vec<f64>) {
         let [u, w] = particles.velocity;
-        let (mut mass, mut momentum, mut scale) = (0.0, 0.0, 0.0);
-        let (mut kinetic, mut compression, mut fastest) = (0.0, 0.0, 0.0f64);
-        let mut extents = [f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY];
-        for i in 0..particles.r.len() {
-            let m = particles.mass[i];
-            let square = u[i] * u[i] + w[i] * w[i];
-            mass += m;
-            momentum += m * w[i];
-            scale += (m * w[i]).abs();
-            kinetic += 0.5 * m * square;
-            compression += m * self.stored_energy(particles, i);
-            fastest = fastest.max(square);
-            let (r, z) = (particles.r[i], particles.z[i]);
-            extents = [extents[0].max(r), extents[1].min(z), extents[2].max(z)];
-        }
+        let body = |start: usize, (), len: usize| {
+            let mut motion = Motion::default();
+            for i in start..start + len {
+                let m = particles.mass[i];
+                let square = u[i] * u[i] + w[i] * w[i];
+                motion.mass += m;
+                motion.momentum += m * w[i];
+                motion.scale += (m * w[i]).abs();
+                motion.kinetic += 0.5 * m * square;
+                motion.compression += m * self.stored_energy(particles, i);
+                motion.fastest_square = motion.fastest_square.max(square);
+                let (r, z) = (particles.r[i], particles.z[i]);
+                let [r_most, z_least, z_most] = motion.extents;
+                motion.extents = [r_most.max(r), z_least.min(z), z_most.max(z)];
+            }
+            motion
+        };
+        let motion = parallel::fold_chunks(particles.r.len(), (), &body, &Motion::add);
+        let Motion { mass, momentum, scale, kinetic, compression, fastest_square, extents } = motion;
         let rms = (2.0 * kinetic / mass).sqrt();
         row.extend([mass, momentum, scale, kinetic, compression, rms]);
         row.extend(extents);
-        row.push(fastest.sqrt());
+        row.push(fastest_square.sqrt());
     }
 
     /// Specific internal energy in J/kg, or what compression alone has stored.
@@ -172,12 +178,10 @@ impl Observer {
     /// The axial centre of mass of what lies within `reach` of a point of the axis: a drop may drift,
     /// and its shape is measured about where it is.
     fn centre_of_mass(&self, particles: &Particles, centre: f64, reach: f64) -> f64 {
-        let near = |&i: &usize| {
+        let (sum, mass) = mass_sum(particles.r.len(), |i| {
             let (r, z) = (particles.r[i] + self.origin, particles.z[i] - centre);
-            r * r + z * z < reach * reach
-        };
-        let (sum, mass) = (0..particles.r.len()).filter(near).fold((0.0, 0.0), |(sum, mass), i| {
-            (sum + particles.mass[i] * particles.z[i], mass + particles.mass[i])
+            let is_near = r * r + z * z < reach * reach;
+            (particles.z[i], if is_near { particles.mass[i] } else { 0.0 })
         });
         if mass > 0.0 { sum / mass } else { centre }
     }
@@ -203,15 +207,14 @@ impl Observer {
             }
             Measure::Oscillation { mode, radius, centre, .. } => {
                 let centre = self.centre_of_mass(particles, centre, 2.0 * radius);
-                let (sum, mass) = all.fold((0.0, 0.0), |(sum, mass), i| {
+                let (sum, mass) = mass_sum(all.len(), |i| {
                     let (s, z) = place(i, centre);
                     let harmonic = if s > 0.0 {
                         (s / radius).powi(mode as i32) * legendre(mode as usize, z / s)[0]
                     } else {
                         0.0
                     };
-                    let m = particles.mass[i];
-                    (sum + m * harmonic, mass + m)
+                    (harmonic, particles.mass[i])
                 });
                 vec![sum / mass]
             }
