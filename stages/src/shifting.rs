@@ -3,7 +3,8 @@
 use crate::fields;
 use crate::integrate::CLOSED;
 use crate::moment::Moment;
-use crate::surface::{BOUNDARY, INSIDE};
+use crate::surface::{BOUNDARY, INSIDE, NEAR_BOUNDARY};
+use crate::surface_corrections::INVERTIBLE;
 use meniscus_engine::lanes::{Lanes, WIDTH};
 use meniscus_engine::parallel;
 use meniscus_engine::pipeline::{Fault, Stage, World};
@@ -48,7 +49,8 @@ pub struct Strength {
 /// lower, and a drop at rest stays at rest.
 ///
 /// A flow without surface tension has no such frequency, and keeps its shape better if all particles shift all
-/// the time with the greatest speed.
+/// the time with the greatest speed, also outwards from below the surface: of shifts to and fro the surface would
+/// let through the inward ones alone, and the liquid would shrink.
 pub struct Shifting {
     strength: Strength,
     size: Read<f64>,
@@ -58,11 +60,81 @@ pub struct Shifting {
     surface: Read<u32>,
     weight: [Read<f64>; 2],
     position: [Update<f64>; 2],
+    carrying: Option<Carrying>,
 }
 
+/// A particle that shifts takes up the velocity of the flow at its new place, U += dr . grad U (the transport by
+/// the shift in Lagrangian-Eulerian form; Sun et al. 2019): with its old one it would stir the flow, and the
+/// contacts turn that into heat. The axial momentum that this brings in is taken off again in proportion to what
+/// each particle took up.
+struct Carrying {
+    velocity: [Update<f64>; 2],
+    velocity_sum: [Read<f64>; 4],
+    mass: Read<f64>,
+}
+
+impl Carrying {
+    fn new(wiring: &mut Wiring) -> Self {
+        let sum = [
+            &fields::VELOCITY_SUM_RR,
+            &fields::VELOCITY_SUM_RZ,
+            &fields::VELOCITY_SUM_ZR,
+            &fields::VELOCITY_SUM_ZZ,
+        ];
+        Carrying {
+            velocity: [wiring.update(&fields::VELOCITY_R), wiring.update(&fields::VELOCITY_Z)],
+            velocity_sum: sum.map(|field| wiring.read(field)),
+            mass: wiring.read(&fields::MASS),
+        }
+    }
+
+    /// Carries velocities along the shifts of all particles.
+    fn run(&self, world: &World, moment: [Read<f64>; 3], shifts: &mut [[f64; 2]]) {
+        let store = &world.store;
+        let [rr, rz, zz] = moment.map(|field| store.read(field));
+        let sum = self.velocity_sum.map(|field| store.read(field));
+        let mass = store.read(self.mass);
+        let [mut u, mut w] = self.velocity.map(|field| store.write(field));
+        let body = |start: usize, (u, w, shifts): Columns, len: usize| {
+            let (mut momentum, mut scale) = (0.0, 0.0);
+            for k in 0..len {
+                let i = start + k;
+                let moment = Moment { rr: rr[i], rz: rz[i], zz: zz[i] };
+                if !moment.eigenvalues_at_least(INVERTIBLE) {
+                    shifts[k] = [0.0; 2];
+                    continue;
+                }
+                let gradient = moment.solve(std::array::from_fn(|c| sum[c][i]));
+                let [dr, dz] = shifts[k];
+                let change = [dr * gradient[0] + dz * gradient[1], dr * gradient[2] + dz * gradient[3]];
+                u[k] += change[0];
+                w[k] += change[1];
+                shifts[k] = change;
+                momentum += mass[i] * change[1];
+                scale += mass[i] * change[1].abs();
+            }
+            (momentum, scale)
+        };
+        let add = |a: (f64, f64), b: (f64, f64)| (a.0 + b.0, a.1 + b.1);
+        let columns = (&mut u[..], &mut w[..], &mut *shifts);
+        let (momentum, scale) = parallel::fold_chunks(mass.len(), columns, &body, &add);
+        if scale > 0.0 {
+            let excess = momentum / scale;
+            parallel::for_chunks(mass.len(), (&mut w[..], &*shifts), |_, (w, changes)| {
+                for (w, change) in w.iter_mut().zip(changes) {
+                    *w -= excess * change[1].abs();
+                }
+            });
+        }
+    }
+}
+
+type Columns<'a> = (&'a mut [f64], &'a mut [f64], &'a mut [[f64; 2]]);
+
 impl Shifting {
-    /// Shifts after the step; `with_deformation` where the scene computes rates of deformation.
-    pub fn new(wiring: &mut Wiring, strength: Strength, with_deformation: bool) -> Self {
+    /// Shifts after the step; `with_deformation` where the scene computes rates of deformation, `carrying` where
+    /// velocities go along.
+    pub fn new(wiring: &mut Wiring, strength: Strength, with_deformation: bool, carrying: bool) -> Self {
         wiring.stage("shifting");
         let moment = [&fields::MOMENT_RR, &fields::MOMENT_RZ, &fields::MOMENT_ZZ];
         let deformation = [&fields::DEFORMATION_RR, &fields::DEFORMATION_SHEAR, &fields::DEFORMATION_ZZ];
@@ -75,6 +147,7 @@ impl Shifting {
             surface: wiring.read(&fields::SURFACE),
             weight: [wiring.read(&fields::GHOST_WEIGHT_R), wiring.read(&fields::GHOST_WEIGHT_Z)],
             position: [wiring.update(&fields::RADIUS), wiring.update(&fields::AXIAL)],
+            carrying: carrying.then(|| Carrying::new(wiring)),
         }
     }
 }
@@ -114,7 +187,10 @@ impl Stage for Shifting {
         let [weight_r, weight_z] = self.weight.map(|field| store.read(field));
         let [mut r, mut z] = self.position.map(|field| store.write(field));
         let Strength { coefficient, speed, rate, theta, origin, everywhere } = self.strength;
-        parallel::for_chunks(size.len(), (&mut r[..], &mut z[..]), |start, (r, z)| {
+        let carried = if self.carrying.is_some() { size.len() } else { 0 };
+        let shifts = world.arena.alloc_slice_fill_copy(carried, [0.0; 2]);
+        let noted = self.carrying.as_ref().map(|_| &mut *shifts);
+        parallel::for_chunks(size.len(), (&mut r[..], &mut z[..], noted), |start, (r, z, mut noted)| {
             let mut quiet = false;
             // Most particles need no shift: eight of them are tested at once for it.
             let is_quiet = |k: usize, r: &[f64]| {
@@ -157,15 +233,26 @@ impl Stage for Shifting {
                 };
                 let factor = needed * coefficient * speed * bound.step_size * support;
                 let shift = [-factor * crowding_r[i], -factor * crowding_z[i]];
-                let shift = along_surface(shift, [weight_r[i], weight_z[i]], surface[i]);
+                let outwards = everywhere && surface[i] == NEAR_BOUNDARY;
+                let shift = match outwards {
+                    true => shift,
+                    false => along_surface(shift, [weight_r[i], weight_z[i]], surface[i]),
+                };
                 let length = (shift[0] * shift[0] + shift[1] * shift[1]).sqrt();
                 let keep = if length > CAP * size[i] { CAP * size[i] / length } else { 1.0 };
                 // A shift must not carry a particle to the axis.
                 let room = (radius - CLOSED * size[i]).max(0.0);
-                r[k] += (keep * shift[0]).max(-0.5 * room);
-                z[k] += keep * shift[1];
+                let shift = [(keep * shift[0]).max(-0.5 * room), keep * shift[1]];
+                r[k] += shift[0];
+                z[k] += shift[1];
+                if let Some(noted) = &mut noted {
+                    noted[k] = shift;
+                }
             }
         });
+        if let Some(carrying) = &self.carrying {
+            carrying.run(world, self.moment, shifts);
+        }
         Ok(())
     }
 }

@@ -1,13 +1,14 @@
 //! The same bits for any number of threads.
 
+use meniscus_cases::scene::Scene;
 use meniscus_engine::field::{Role, Values};
 use meniscus_tests::drops;
 
 /// The bits of every State column after some steps, with the columns' names.
-fn bits(threads: usize, settings: &[&str], steps: usize) -> Vec<(&'static str, Vec<u64>)> {
+fn bits(threads: usize, scene: &Scene, steps: usize) -> Vec<(&'static str, Vec<u64>)> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
     pool.install(|| {
-        let mut simulation = drops::start(&drops::drop(settings));
+        let mut simulation = drops::start(scene);
         drops::advance(&mut simulation, steps);
         let columns = simulation.world.store.columns();
         columns
@@ -24,10 +25,14 @@ fn bits(threads: usize, settings: &[&str], steps: usize) -> Vec<(&'static str, V
 }
 
 fn same(settings: &[&str], steps: usize) {
-    let one = bits(1, settings, steps);
+    same_of(&drops::drop(settings), steps);
+}
+
+fn same_of(scene: &Scene, steps: usize) {
+    let one = bits(1, scene, steps);
     assert!(one.len() > 10 && one[0].1.len() > 1900);
     for threads in [2, 8] {
-        let many = bits(threads, settings, steps);
+        let many = bits(threads, scene, steps);
         for ((name, one), (_, many)) in one.iter().zip(&many) {
             let different = one.iter().zip(many).filter(|(a, b)| a != b).count();
             assert_eq!(different, 0, "`{name}` differs for {threads} threads");
@@ -48,4 +53,11 @@ fn a_viscous_drop() {
 #[test]
 fn mixed_precision() {
     same(&["resolution=36", "amplitude=0.5", "method.precision=mixed"], 200);
+}
+
+/// Shifting carries velocities along, and takes off the momentum of all.
+#[test]
+fn a_free_spheroid() {
+    const SPHEROID: &str = include_str!("../../cases/free-spheroid/scene.toml");
+    same_of(&drops::scene(SPHEROID, &["particle_size=\"0.02 m\""]), 200);
 }

@@ -243,7 +243,9 @@ impl Builder<'_> {
                 everywhere: !self.with_tension(),
             };
             let with_deformation = self.reconstructs() && self.with_tension();
-            stages.push(Box::new(Shifting::new(&mut self.wiring, strength, with_deformation)));
+            // The energy equation knows nothing of a velocity that changes so.
+            let carrying = self.reconstructs() && !self.with_tension() && !self.with_energy();
+            stages.push(Box::new(Shifting::new(&mut self.wiring, strength, with_deformation, carrying)));
         }
         stages
     }
