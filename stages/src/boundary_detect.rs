@@ -6,6 +6,7 @@ use crate::fields;
 use crate::moment::Moment;
 use crate::sort_bin::WIDEST_SKIN;
 use crate::surface::{BOUNDARY, INSIDE, NEAR_BOUNDARY};
+use crate::surface_interval::is_due;
 use meniscus_engine::lanes::WIDTH;
 use meniscus_engine::parallel;
 use meniscus_engine::pipeline::{Fault, Stage, World};
@@ -55,7 +56,8 @@ pub struct BoundaryDetect {
 }
 
 impl BoundaryDetect {
-    /// Detects every `interval` steps; `packing` gives the support of a pair.
+    /// Detects every `interval` steps, more often where the curvature is needed more often; `packing` gives the
+    /// support of a pair.
     pub fn new(wiring: &mut Wiring, packing: Packing, interval: u64, guard: Option<ColourGuard>) -> Self {
         wiring.stage("boundary-detect");
         let moment = [&fields::MOMENT_RR, &fields::MOMENT_RZ, &fields::MOMENT_ZZ];
@@ -187,7 +189,7 @@ impl Stage for BoundaryDetect {
     }
 
     fn run(&mut self, world: &mut World) -> Result<(), Fault> {
-        if !world.clock.step.is_multiple_of(self.interval) {
+        if !is_due(&world.clock, self.interval) {
             return Ok(());
         }
         self.find_candidates(world);

@@ -5,6 +5,7 @@ use crate::drops::particles_of_drops;
 use crate::equation_of_state::Packing;
 use crate::fields;
 use crate::surface::{BOUNDARY, NEAR_BOUNDARY};
+use crate::surface_interval::{COMPUTED, HOLDS_UNTIL, holds, is_due};
 use crate::surface_neighbours::SurfaceNeighbours;
 use crate::surface_search::{Found, SHARPEST, Start, find};
 use atomic_refcell::AtomicRefMut;
@@ -22,10 +23,12 @@ pub struct ColourCurvature {
     pub surface_tension: f64,
     /// Density at rest in kg/m3.
     pub density: f64,
+    /// Sound speed at rest in m/s.
+    pub sound_speed: f64,
     /// Support radius of the colour field in particle sizes. Between 10 and 12 the frequency of a drop
     /// changes by .02 %; a wider one keeps a drop at rest more quietly, a narrower one resolves necks.
     pub support: f64,
-    /// Steps between two computations; in between the Laplace pressure is extrapolated.
+    /// Most steps between two computations; in between the Laplace pressure is extrapolated.
     pub interval: u64,
     /// Whether the gradient of the Laplace pressure along the surface is wanted, and the surface's tangent.
     pub with_slope: bool,
@@ -34,6 +37,10 @@ pub struct ColourCurvature {
 /// A drop of fewer particles, less than four across, has no shape to speak of, and no Laplace pressure: what
 /// its curvature were taken for would drive it about.
 const FEWEST: u32 = 12;
+
+/// The Laplace pressure changes no faster than by this part of sigma/D in a particle's capillary time
+/// sqrt(rho D^3/sigma): what is faster is no motion of a resolved surface, but another place found for it.
+const FASTEST: f64 = 0.25;
 
 /// The stage. It must follow the boundary detection of the same step, which takes up the particles in
 /// the shared colour field.
@@ -140,8 +147,10 @@ impl CurvatureColour {
     }
 
     /// Sets the Laplace pressure, and its rate where it was known before.
-    fn store_pressure(&mut self, world: &mut World) {
-        let elapsed = world.clock.time - world.clock.mark("curvature");
+    fn store_pressure(&mut self, world: &World) {
+        let elapsed = world.clock.time - world.clock.mark(COMPUTED);
+        let size = world.store.read(self.size);
+        let size = |i: u32| size[i as usize].min(self.packing.largest_size);
         let mut columns = Columns {
             pressure: world.store.write(self.pressure),
             slope: self.slope.map(|slope| slope.map(|field| world.store.write(field))),
@@ -155,7 +164,8 @@ impl CurvatureColour {
         columns.clear();
         for (k, &i) in self.boundary.iter().enumerate() {
             let Found { curvature, tangent, offset } = self.found[k];
-            let pressure = self.settings.surface_tension * curvature;
+            let bump = if curvature == 0.0 { 0.0 } else { self.found[k].bump(size(i)) };
+            let pressure = self.settings.surface_tension * (curvature + bump);
             columns.set(i, &AtSurface { pressure, slope: self.slopes[k], tangent, offset });
         }
         let [r, z] = self.position.map(|field| world.store.read(field));
@@ -165,11 +175,34 @@ impl CurvatureColour {
         let mut rate = world.store.write(self.rate);
         clear(&mut rate[..]);
         for (&i, &before) in layer.iter().zip(&*before) {
-            if before != 0.0 && elapsed > 0.0 {
-                rate[i as usize] = (columns.pressure[i as usize] - before) / elapsed;
+            let now = columns.pressure[i as usize];
+            // Where a particle lost the surface or has just found it there is no rate.
+            if before != 0.0 && now != 0.0 && elapsed > 0.0 {
+                let most = self.fastest(size(i));
+                rate[i as usize] = ((now - before) / elapsed).clamp(-most, most);
             }
         }
-        world.clock.set_mark("curvature");
+    }
+
+    /// Largest rate of the Laplace pressure (Pa/s) at a particle of the given size (m).
+    fn fastest(&self, size: f64) -> f64 {
+        let ColourCurvature { surface_tension, density, .. } = self.settings;
+        let capillary_time = (density * size.powi(3) / surface_tension).sqrt();
+        FASTEST * surface_tension / size / capillary_time
+    }
+
+    /// Notes when the curvature was computed and until when it holds.
+    fn set_marks(&self, world: &mut World) {
+        let ColourCurvature { surface_tension, density, sound_speed, .. } = self.settings;
+        let smallest = {
+            let size = world.store.read(self.size);
+            let with_surface =
+                self.boundary.iter().zip(&self.found).filter(|(_, found)| found.curvature != 0.0);
+            with_surface.map(|(&i, _)| size[i as usize]).fold(self.packing.largest_size, f64::min)
+        };
+        let until = world.clock.time + holds(surface_tension, density * sound_speed, smallest);
+        world.clock.set_mark(COMPUTED);
+        world.clock.restore_mark(HOLDS_UNTIL, until);
     }
 
     /// What belongs to a place beside the surface: that of the nearest boundary particle, carried on
@@ -272,13 +305,14 @@ impl Stage for CurvatureColour {
 
     fn run(&mut self, world: &mut World) -> Result<(), Fault> {
         world.clock.limit("surface tension", self.step_bound);
-        if !world.clock.step.is_multiple_of(self.settings.interval) {
+        if !is_due(&world.clock, self.settings.interval) {
             return Ok(());
         }
         self.measure(world);
         self.leave_out_spray(world);
         self.measure_slope(world);
         self.store_pressure(world);
+        self.set_marks(world);
         Ok(())
     }
 }

@@ -28,6 +28,7 @@ pub mod sort_bin;
 pub mod surface;
 pub mod surface_area;
 pub mod surface_corrections;
+pub mod surface_interval;
 mod surface_layer;
 mod surface_neighbours;
 mod surface_search;

@@ -16,8 +16,10 @@
 use crate::contour::{Contour, SurfaceParticle};
 use crate::equation_of_state::Packing;
 use crate::fields;
+use crate::ghost_coupling::{DISORDER, facing};
 use crate::moment::Moment;
 use crate::surface::{BOUNDARY, for_surface};
+use crate::surface_interval::COMPUTED;
 use meniscus_engine::field::clear;
 use meniscus_engine::parallel;
 use meniscus_engine::pipeline::{Fault, Stage, World};
@@ -32,7 +34,6 @@ const RELAXATION: f64 = 0.1;
 /// ghosts before they are used.
 pub struct SurfaceArea {
     packing: Packing,
-    interval: u64,
     position: [Read<f64>; 2],
     size: Read<f64>,
     surface: Read<u32>,
@@ -48,13 +49,12 @@ pub struct SurfaceArea {
 }
 
 impl SurfaceArea {
-    /// Computes delta every `interval` steps, when the curvature is computed.
-    pub fn new(wiring: &mut Wiring, packing: Packing, interval: u64) -> Self {
+    /// Computes delta whenever the curvature is computed.
+    pub fn new(wiring: &mut Wiring, packing: Packing) -> Self {
         wiring.stage("surface-area");
         let moment = [&fields::MOMENT_RR, &fields::MOMENT_RZ, &fields::MOMENT_ZZ];
         SurfaceArea {
             packing,
-            interval,
             position: [wiring.read(&fields::RADIUS), wiring.read(&fields::AXIAL)],
             size: wiring.read(&fields::SIZE),
             surface: wiring.read(&fields::SURFACE),
@@ -93,13 +93,14 @@ impl SurfaceArea {
             let nearest = 0.5 * size[i].min(largest_size);
             let ring = ((r[i] + domain.origin) / (foot[0] + domain.origin).max(nearest)).clamp(0.5, 1.5);
             let area = size[i] * size[i] * ring;
+            let weight = facing([weight_r[i], weight_z[i]], tangent, DISORDER / size[i]);
             let missing = Moment { rr: 1.0 - rr[i], rz: -rz[i], zz: 1.0 - zz[i] }.apply(tangent);
             SurfaceParticle {
                 is_boundary: surface[i] == BOUNDARY,
                 size: size[i].min(largest_size),
                 foot,
                 tangent,
-                area: [weight_r[i], weight_z[i]].map(|weight| 2.0 * area * weight),
+                area: weight.map(|weight| 2.0 * area * weight),
                 missing: missing.map(|missing| area * missing),
             }
         }));
@@ -144,7 +145,7 @@ impl Stage for SurfaceArea {
     }
 
     fn run(&mut self, world: &mut World) -> Result<(), Fault> {
-        if world.clock.step.is_multiple_of(self.interval) {
+        if world.clock.mark(COMPUTED) == world.clock.time {
             self.gather(world);
             self.measure();
             self.store_lack(world);

@@ -9,9 +9,10 @@ use meniscus_engine::field::{Description, Role, Values};
 use meniscus_engine::pipeline::{Fault, World};
 use meniscus_engine::store::Store;
 use meniscus_stages::fields;
+use meniscus_stages::surface_interval::{COMPUTED, HOLDS_UNTIL};
 
 /// The marks that stages set on the clock.
-const MARKS: [&str; 2] = ["curvature", "list"];
+const MARKS: [&str; 3] = [COMPUTED, HOLDS_UNTIL, "list"];
 /// Start of the names of numbers that count the steps which a bound has set.
 const BOUND: &str = "steps bound by ";
 

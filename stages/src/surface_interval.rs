@@ -1,0 +1,58 @@
+//! How often the surface is looked for.
+//!
+//! Between two looks the Laplace pressure is carried on at its last rate. A bump of height x, a few particles
+//! wide, has a pressure of up to sigma x/D^2. To a pressure that changes too fast for anything but sound a
+//! liquid yields at the speed P/(rho C), so the bump is gone after the time rho C D^2/sigma. Carried on for
+//! longer, its pressure shoots past zero by more than it was: it changes its sign from look to look and grows,
+//! until particles are thrown out of the surface. With acoustic steps and four of them from look to look that
+//! takes particles smaller than 1.5 sigma/(rho C^2).
+
+use meniscus_engine::clock::Clock;
+
+/// The mark of the clock for when the curvature was last computed.
+pub const COMPUTED: &str = "curvature";
+/// The mark for how long that holds.
+pub const HOLDS_UNTIL: &str = "curvature holds";
+
+/// For how many seconds a Laplace pressure may be carried on where the smallest particle at the surface
+/// measures `size` metres.
+pub fn holds(surface_tension: f64, impedance: f64, size: f64) -> f64 {
+    impedance * size * size / surface_tension
+}
+
+/// Whether the surface is looked for in this step: every `interval` steps, or a half or a quarter of that and so
+/// on where the curvature doesn't hold so long.
+pub fn is_due(clock: &Clock, interval: u64) -> bool {
+    let until = clock.marks().iter().find(|(name, _)| *name == HOLDS_UNTIL);
+    let holds = until.map_or(f64::INFINITY, |(_, until)| until - clock.mark(COMPUTED));
+    let mut steps = interval;
+    while steps > 1 && steps as f64 * clock.previous_step_size > holds {
+        steps /= 2;
+    }
+    clock.step.is_multiple_of(steps)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn looks_as_often_as_the_curvature_holds() {
+        let looks = |holds: f64| {
+            let mut clock = Clock::at(0, 0.0, 1.0);
+            clock.set_mark(COMPUTED);
+            clock.restore_mark(HOLDS_UNTIL, holds);
+            let due = |step: u64| is_due(&Clock { step, ..clock.clone() }, 4);
+            (0..8).filter(|&step| due(step)).collect::<Vec<_>>()
+        };
+        assert_eq!(looks(4.5), [0, 4]);
+        assert_eq!(looks(3.5), [0, 2, 4, 6]);
+        assert_eq!(looks(0.5), [0, 1, 2, 3, 4, 5, 6, 7]);
+    }
+
+    #[test]
+    fn without_a_mark_the_interval_counts() {
+        let clock = Clock::at(4, 0.0, 1.0);
+        assert!(is_due(&clock, 4) && !is_due(&Clock::at(5, 0.0, 1.0), 4));
+    }
+}
