@@ -39,10 +39,12 @@ mod tests {
     #[test]
     fn looks_as_often_as_the_curvature_holds() {
         let looks = |holds: f64| {
-            let mut clock = Clock::at(0, 0.0, 1.0);
-            clock.set_mark(COMPUTED);
-            clock.restore_mark(HOLDS_UNTIL, holds);
-            let due = |step: u64| is_due(&Clock { step, ..clock.clone() }, 4);
+            let due = |step: u64| {
+                let mut clock = Clock::at(step, 0.0, 1.0);
+                clock.set_mark(COMPUTED);
+                clock.restore_mark(HOLDS_UNTIL, holds);
+                is_due(&clock, 4)
+            };
             (0..8).filter(|&step| due(step)).collect::<Vec<_>>()
         };
         assert_eq!(looks(4.5), [0, 4]);
