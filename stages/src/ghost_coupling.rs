@@ -12,50 +12,15 @@ use meniscus_engine::wiring::Wiring;
 /// Impedance of a ghost relative to its particle's: nearly vacuum (method.md, section 8).
 const IMPEDANCE_RATIO: f64 = 1e-6;
 
-/// How far a ghost's weight may deviate from facing the surface, over one over the particle's size: in settled
-/// packings and gentle flows it never deviates by more than 0.13.
-pub(crate) const DISORDER: f64 = 0.2;
-
 /// Surface tension's part of the coupling.
-pub struct Tension {
+struct Tension {
     pressure: Read<f64>,
     rate: Read<f64>,
-    facing: Option<([Read<f64>; 2], Read<f64>)>,
-}
-
-impl Tension {
-    /// Reads the Laplace pressure, and the surface's tangent where the scene computes it.
-    pub fn new(wiring: &mut Wiring, with_tangent: bool) -> Self {
-        wiring.stage("ghost-coupling");
-        let tangent = [&fields::SURFACE_TANGENT_R, &fields::SURFACE_TANGENT_Z];
-        Tension {
-            pressure: wiring.read(&fields::LAPLACE_PRESSURE),
-            rate: wiring.read(&fields::LAPLACE_PRESSURE_RATE),
-            facing: with_tangent
-                .then(|| (tangent.map(|field| wiring.read(field)), wiring.read(&fields::SIZE))),
-        }
-    }
-}
-
-/// The part of a ghost's weight that faces the surface, whose unit tangent t has (-t_z, t_r) outward. A weight that
-/// points inward or along the surface by more than disorder makes it comes from neighbours
-/// that crowd on one side, in a torn surface, and no liquid is missing there: the Laplace pressure on it would
-/// drive the particle along the surface, or out of it, without end.
-pub(crate) fn facing(weight: [f64; 2], tangent: [f64; 2], disorder: f64) -> [f64; 2] {
-    let [t_r, t_z] = tangent;
-    let (outward, along) = (t_r * weight[1] - t_z * weight[0], t_r * weight[0] + t_z * weight[1]);
-    let most = outward.max(0.0) + disorder;
-    if outward >= -disorder && along.abs() <= most {
-        return weight;
-    }
-    let (outward, along) = (outward.max(-disorder), along.clamp(-most, most));
-    [along * t_r - outward * t_z, along * t_z + outward * t_r]
 }
 
 /// The stage: d eps += 2 (U* - U_a . e)|bw| and the surface force -2 P* bw, with e = bw/|bw|,
 /// U_g = U_a and P_g = P_external + P_L and with the
-/// energy equation rho dE += -2 P* U*|bw| (equations (24) to (26); method.md, section 8). Where the surface's
-/// tangent is known, bw is what of it faces the surface.
+/// energy equation rho dE += -2 P* U*|bw| (equations (24) to (26); method.md, section 8).
 pub struct GhostCoupling {
     external_pressure: f64,
     tension: Option<Tension>,
@@ -78,17 +43,15 @@ struct Work {
 
 impl GhostCoupling {
     /// Ghosts hold the external pressure in Pa, and the Laplace pressure where there is surface tension.
-    pub fn new(
-        wiring: &mut Wiring,
-        external_pressure: f64,
-        tension: Option<Tension>,
-        with_energy: bool,
-    ) -> Self {
+    pub fn new(wiring: &mut Wiring, external_pressure: f64, with_tension: bool, with_energy: bool) -> Self {
         wiring.stage("ghost-coupling");
         let force = [&fields::SURFACE_FORCE_R, &fields::SURFACE_FORCE_Z];
         GhostCoupling {
             external_pressure,
-            tension,
+            tension: with_tension.then(|| Tension {
+                pressure: wiring.read(&fields::LAPLACE_PRESSURE),
+                rate: wiring.read(&fields::LAPLACE_PRESSURE_RATE),
+            }),
             surface: wiring.read(&fields::SURFACE),
             weight: [wiring.read(&fields::GHOST_WEIGHT_R), wiring.read(&fields::GHOST_WEIGHT_Z)],
             pressure: wiring.read(&fields::PRESSURE),
@@ -118,9 +81,6 @@ impl Stage for GhostCoupling {
         let (density, sound_speed) = (store.read(self.density), store.read(self.sound_speed));
         let tension = self.tension.as_ref().map(|t| (store.read(t.pressure), store.read(t.rate)));
         let tension = tension.as_ref().map(|(pressure, rate)| (&pressure[..], &rate[..]));
-        let facing_of = self.tension.as_ref().and_then(|t| t.facing);
-        let facing_of = facing_of.map(|(tangent, size)| (tangent.map(|t| store.read(t)), store.read(size)));
-        let facing_of = facing_of.as_ref().map(|([r, z], size)| (&r[..], &z[..], &size[..]));
         // Between two computations of the curvature its pressure is carried on at the last rate:
         // a lag would feed the oscillation (method.md, section 10).
         let elapsed = world.clock.time - world.clock.mark(COMPUTED);
@@ -144,41 +104,16 @@ impl Stage for GhostCoupling {
                 let both = impedance + ghost_impedance;
                 let star = (ghost_pressure * impedance + pressure[i] * ghost_impedance) / both;
                 let rise = (pressure[i] - ghost_pressure) / both;
-                let weight = match facing_of {
-                    Some((r, z, size)) => {
-                        facing([weight_r[i], weight_z[i]], [r[i], z[i]], DISORDER / size[i])
-                    }
-                    None => [weight_r[i], weight_z[i]],
-                };
-                let length = (weight[0] * weight[0] + weight[1] * weight[1]).sqrt();
+                let length = (weight_r[i] * weight_r[i] + weight_z[i] * weight_z[i]).sqrt();
                 strain_rate[k] += 2.0 * rise * length;
                 if let (Some(power), Some((u, w))) = (&mut power, velocity) {
                     // U* |bw| = U_a . bw + rise |bw|.
-                    power[k] -= 2.0 * star * (u[i] * weight[0] + w[i] * weight[1] + rise * length);
+                    power[k] -= 2.0 * star * (u[i] * weight_r[i] + w[i] * weight_z[i] + rise * length);
                 }
-                force_r[k] = -2.0 * star * weight[0];
-                force_z[k] = -2.0 * star * weight[1];
+                force_r[k] = -2.0 * star * weight_r[i];
+                force_z[k] = -2.0 * star * weight_z[i];
             });
         });
         Ok(())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_faces_the_surface_is_kept() {
-        // The surface lies in the direction of r.
-        let tangent = [0.0, -1.0];
-        for weight in [[0.5, 0.1], [0.5, -0.65], [-0.15, 0.1], [0.0, 0.2]] {
-            assert_eq!(facing(weight, tangent, 0.2), weight);
-        }
-        assert_eq!(facing([-1.0, 0.1], tangent, 0.2), [-0.2, 0.1]);
-        assert_eq!(facing([-1.0, 1.5], tangent, 0.2), [-0.2, 0.2]);
-        assert_eq!(facing([0.5, -2.0], tangent, 0.2), [0.5, -0.7]);
-        // Without a tangent nothing is known.
-        assert_eq!(facing([-1.0, 1.5], [0.0, 0.0], 0.2), [-1.0, 1.5]);
     }
 }

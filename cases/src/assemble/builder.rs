@@ -17,7 +17,7 @@ use meniscus_stages::curvature_normals::CurvatureNormals;
 use meniscus_stages::drops::Drops;
 use meniscus_stages::equation_of_state::{Packing, Second, State};
 use meniscus_stages::fields;
-use meniscus_stages::ghost_coupling::{GhostCoupling, Tension};
+use meniscus_stages::ghost_coupling::GhostCoupling;
 use meniscus_stages::initial_pressure::InitialPressure;
 use meniscus_stages::integrate::{self, Courant, Integrate};
 use meniscus_stages::kernel_correction::KernelCorrection;
@@ -170,9 +170,8 @@ impl Builder<'_> {
         }
         let reasons = ("ghosts bring the Laplace pressure to the surface", "there is no surface tension");
         if self.plan("ghost-coupling", self.with_tension(), reasons) {
-            let (with_tangent, with_energy) = (self.with_slope(), self.with_energy());
-            let tension = Tension::new(&mut self.wiring, with_tangent);
-            stages.push(Box::new(GhostCoupling::new(&mut self.wiring, 0.0, Some(tension), with_energy)));
+            let with_energy = self.with_energy();
+            stages.push(Box::new(GhostCoupling::new(&mut self.wiring, 0.0, true, with_energy)));
         }
         let reasons = ("ghosts carry no gradient along the surface", "not asked for, or no colour field");
         if self.plan("tangential-pressure", self.with_slope(), reasons) {
