@@ -109,20 +109,6 @@ pub static LAPLACE_SLOPE_Z: Real = Field::state(
     "Pa/m",
     "Gradient of the Laplace pressure along the surface, axial component.",
 );
-/// Unit tangent of the surface, radial component.
-pub static SURFACE_TANGENT_R: Real = Field::state(
-    "surface_tangent_r",
-    "t_r",
-    "1",
-    "Unit tangent of the surface when the curvature was last computed, radial component; zero inside.",
-);
-/// Unit tangent of the surface, axial component.
-pub static SURFACE_TANGENT_Z: Real = Field::state(
-    "surface_tangent_z",
-    "t_z",
-    "1",
-    "Unit tangent of the surface when the curvature was last computed, axial component; zero inside.",
-);
 /// Non-dissipative acceleration of the step before, radial component.
 pub static PREVIOUS_ACCELERATION_R: Real = Field::state(
     "previous_acceleration_r",
@@ -233,6 +219,20 @@ pub static MOMENT_RZ: Real = Field::derived("moment_rz", "L_rz", "1", "Moment ma
 /// Moment matrix L_zz.
 pub static MOMENT_ZZ: Real =
     Field::derived("moment_zz", "L_zz", "1", "Moment matrix, one inside and less at the surface.");
+/// Unit tangent of the surface, radial component.
+pub static SURFACE_TANGENT_R: Real = Field::derived(
+    "surface_tangent_r",
+    "t_r",
+    "1",
+    "Unit tangent of the surface when the curvature was last computed, radial component; zero inside.",
+);
+/// Unit tangent of the surface, axial component.
+pub static SURFACE_TANGENT_Z: Real = Field::derived(
+    "surface_tangent_z",
+    "t_z",
+    "1",
+    "Unit tangent of the surface when the curvature was last computed, axial component; zero inside.",
+);
 /// Weight vector of the ghost particle, radial.
 pub static GHOST_WEIGHT_R: Real = Field::derived(
     "ghost_weight_r",

@@ -11,8 +11,7 @@
 //! keep that within .2 %; where the flow has drawn the packing out, A is wrong by several per cent, and so is
 //! the momentum that a film's edge gains. So A becomes A + |A| delta with the delta(x) that makes the
 //! sums equal for phi = W(x - x_b)/R_b, a kernel a few particles wide. The contour is the
-//! polygon through the feet, the places on the surface next to the boundary particles. In torn surfaces bw may
-//! point along the surface or into the liquid: first only what of it faces the surface is left.
+//! polygon through the feet, the places on the surface next to the boundary particles.
 
 use crate::contour::{Contour, SurfaceParticle};
 use crate::equation_of_state::Packing;
@@ -29,10 +28,6 @@ use meniscus_engine::wiring::Wiring;
 /// Part of the way to a newly found delta that is gone each time: where the surface is rough delta is noise, and
 /// taken at once it would drive the roughness on.
 const RELAXATION: f64 = 0.1;
-
-/// How far a ghost's weight may deviate from facing the surface, over one over the particle's size: in settled
-/// packings and gentle flows it never deviates by more than 0.13, in a film that draws back by more.
-const DISORDER: f64 = 0.4;
 
 /// The stage. It must follow the curvature, which finds feet and tangents, and corrects the weights of
 /// ghosts before they are used.
@@ -72,21 +67,6 @@ impl SurfaceArea {
             contour: Contour::default(),
             found: Vec::new(),
         }
-    }
-
-    /// Leaves of the weights what faces the surface.
-    fn face(&self, world: &World) {
-        let (surface, size) = (world.store.read(self.surface), world.store.read(self.size));
-        let [tangent_r, tangent_z] = self.tangent.map(|field| world.store.read(field));
-        let [mut weight_r, mut weight_z] = self.weight.map(|field| world.store.write(field));
-        let columns = (&mut weight_r[..], &mut weight_z[..]);
-        parallel::for_chunks(surface.len(), columns, |start, (weight_r, weight_z)| {
-            for_surface(&surface[start..start + weight_r.len()], |k| {
-                let i = start + k;
-                let (weight, tangent) = ([weight_r[k], weight_z[k]], [tangent_r[i], tangent_z[i]]);
-                [weight_r[k], weight_z[k]] = facing(weight, tangent, DISORDER / size[i]);
-            });
-        });
     }
 
     /// Takes up the particles that have a surface next to them.
@@ -152,21 +132,6 @@ impl SurfaceArea {
     }
 }
 
-/// The part of a ghost's weight that faces the surface, whose unit tangent t has (-t_z, t_r) outward. A weight that
-/// points inward or along the surface by more than disorder makes it comes from neighbours
-/// that crowd on one side, in a torn surface, and no liquid is missing there: the Laplace pressure on it would
-/// drive the particle along the surface, or out of it, without end.
-fn facing(weight: [f64; 2], tangent: [f64; 2], disorder: f64) -> [f64; 2] {
-    let [t_r, t_z] = tangent;
-    let (outward, along) = (t_r * weight[1] - t_z * weight[0], t_r * weight[0] + t_z * weight[1]);
-    let most = outward.max(0.0) + disorder;
-    if outward >= -disorder && along.abs() <= most {
-        return weight;
-    }
-    let (outward, along) = (outward.max(-disorder), along.clamp(-most, most));
-    [along * t_r - outward * t_z, along * t_z + outward * t_r]
-}
-
 impl Stage for SurfaceArea {
     fn name(&self) -> &'static str {
         "surface-area"
@@ -178,7 +143,6 @@ impl Stage for SurfaceArea {
     }
 
     fn run(&mut self, world: &mut World) -> Result<(), Fault> {
-        self.face(world);
         if world.clock.mark(COMPUTED) == world.clock.time {
             self.gather(world);
             self.measure();
@@ -196,24 +160,5 @@ impl Stage for SurfaceArea {
             });
         });
         Ok(())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_faces_the_surface_is_kept() {
-        // The surface lies in the direction of r.
-        let tangent = [0.0, -1.0];
-        for weight in [[0.5, 0.1], [0.5, -0.65], [-0.15, 0.1], [0.0, 0.2]] {
-            assert_eq!(facing(weight, tangent, 0.2), weight);
-        }
-        assert_eq!(facing([-1.0, 0.1], tangent, 0.2), [-0.2, 0.1]);
-        assert_eq!(facing([-1.0, 1.5], tangent, 0.2), [-0.2, 0.2]);
-        assert_eq!(facing([0.5, -2.0], tangent, 0.2), [0.5, -0.7]);
-        // Without a tangent nothing is known.
-        assert_eq!(facing([-1.0, 1.5], [0.0, 0.0], 0.2), [-1.0, 1.5]);
     }
 }
