@@ -117,7 +117,7 @@ fn survive_with_tension(case: &str, settings: &[&str], surface: f64) -> f64 {
 }
 
 /// Drops that become one set free a tenth of their surface. A rough surface must not drive itself on after that:
-/// with ghosts that push along it, a fifth and more of the energy was in motion.
+/// with Laplace pressures that changed at any rate, a fifth and more of the energy was in motion.
 #[test]
 fn splashes_do_not_drive_themselves() {
     let surface = 4.0 * PI * (1.0e-12 + 0.49e-12);
