@@ -68,7 +68,7 @@ impl SortBin {
                 let area = load(mass, 0.0) / (two_pi * (radius + origin) * load(density, 1.0));
                 let reach = two_theta * area.sqrt().min(largest);
                 let room = load(list_reach, 1.0) - reach;
-                room.min(room * room - dr.mul_add(dr, dz * dz)).all_positive()
+                room.all_positive() && (room * room - dr.mul_add(dr, dz * dz)).all_positive()
             })
         };
         parallel::fold_chunks(r.len(), columns, &body, &|a, b| a && b)
