@@ -75,8 +75,9 @@ pub fn evaluate(scene: &Scene, history: &History) -> Vec<Outcome> {
                 ]
             }
             Measure::Oscillation { mode, radius, from, .. } => {
-                let exact = Drop::of(&scene.liquid, radius).mode(mode);
-                oscillation(history, &column, (exact, from), |name| numbered(name, index))
+                let drop = Drop::of(&scene.liquid, radius);
+                let slower = drop.compressible_frequency_ratio(mode, scene.derived_sound_speed());
+                oscillation(history, &column, (drop.mode(mode), slower, from), |name| numbered(name, index))
             }
             Measure::GrowthRate { wavenumber, radius } => {
                 let sizes = (wavenumber, radius, scene.particle_size);
@@ -117,11 +118,12 @@ pub fn evaluate(scene: &Scene, history: &History) -> Vec<Outcome> {
     outcomes.flatten().collect()
 }
 
-/// Frequency and damping, against the exact ones of a drop that oscillates at all.
+/// Frequency and damping, against the exact ones of a drop that oscillates at all; `slower` is what becomes of the
+/// frequency at the scene's sound speed.
 fn oscillation(
     history: &History,
     column: &str,
-    (exact, from): (Option<Mode>, f64),
+    (exact, slower, from): (Option<Mode>, f64, f64),
     name: impl Fn(&str) -> String,
 ) -> Vec<Outcome> {
     let fit = exact.and_then(|exact| oscillation_fit(history, column, exact, from));
@@ -130,11 +132,13 @@ fn oscillation(
     let mut outcomes = vec![
         Outcome::of(name("frequency"), fit.map(|fit| fit.frequency()), "Hz"),
         Outcome::of(name("damping-per-period"), damping, "1"),
+        Outcome::of(name("compressible-frequency"), fit.map(|fit| fit.frequency()), "Hz"),
         Outcome::of(name("fit-residual"), residual, "1"),
     ];
     if let Some(Mode { angular_frequency, decay }) = exact {
         outcomes[0].reference = Some(angular_frequency / (2.0 * PI));
         outcomes[1].reference = Some(2.0 * PI * decay / angular_frequency);
+        outcomes[2].reference = Some(slower * angular_frequency / (2.0 * PI));
     } else {
         let sentence = "cannot be told: the drop is too viscous to oscillate";
         outcomes
