@@ -13,6 +13,7 @@
 
 mod cells;
 mod domain;
+mod level;
 mod relax;
 mod start;
 #[cfg(test)]
@@ -113,28 +114,59 @@ const LARGE: usize = 50_000;
 /// in the usual number of relaxation steps: so neither boundary nor seam meets a wall.
 const BAND: [f64; 2] = [32.0, 64.0];
 
-fn settle_all(domain: &Domain, options: &PackingOptions) -> Vec<Point> {
-    let mut points = start::points(domain, options.seed, domain.count, |_| true);
-    relax::relax(domain, &mut points, &[], options.iterations);
-    points
+/// How often the outermost layer is brought to another depth.
+const LEVELLINGS: usize = 6;
+
+/// By how much at most, in particle sizes, its depth changes; some hundredths are usual.
+const MOST_LIFT: f64 = 0.1;
+
+/// Particles that move while a region is filled, and those that stay where a settled tile has put them.
+struct Filling {
+    moving: Vec<Point>,
+    still: Vec<Point>,
+    /// Those of `still` that the moving ones meet.
+    met: Vec<Point>,
 }
 
-/// Fills the inside with copies of a tile that is settled already, and settles what lies near the surface,
-/// the axis and the ends of a period, where copies do not fit.
-fn settle_band(domain: &Domain, options: &PackingOptions) -> Vec<Point> {
-    let [seam, still] = BAND;
-    let is_deep = |point: &Point| domain.depth(*point) > seam;
-    let deep = start::settled_points(domain, options.seed, options.iterations, is_deep);
-    let rest = domain.count.saturating_sub(deep.len());
-    let mut band = start::points(domain, options.seed, rest, |point| !is_deep(point));
-    let (mut core, shell): (Vec<Point>, Vec<Point>) =
-        deep.into_iter().partition(|point| domain.depth(*point) > still);
-    band.extend(shell);
-    let met = |point: &&Point| domain.depth(**point) < still + 2.0 * relax::REACH;
-    let fixed: Vec<Point> = core.iter().filter(met).copied().collect();
-    relax::relax(domain, &mut band, &fixed, options.iterations);
-    core.append(&mut band);
-    core
+impl Filling {
+    fn start(domain: &Domain, options: &PackingOptions) -> Self {
+        if domain.count < LARGE {
+            let moving = start::points(domain, options.seed, domain.count, |_| true);
+            return Filling { moving, still: Vec::new(), met: Vec::new() };
+        }
+        // The inside is filled with copies of a tile that is settled already; what lies near the surface, the
+        // axis and the ends of a period, where copies do not fit, settles.
+        let [seam, still] = BAND;
+        let is_deep = |point: &Point| domain.depth(*point) > seam;
+        let deep = start::settled_points(domain, options.seed, options.iterations, is_deep);
+        let rest = domain.count.saturating_sub(deep.len());
+        let mut moving = start::points(domain, options.seed, rest, |point| !is_deep(point));
+        let (core, shell): (Vec<Point>, Vec<Point>) =
+            deep.into_iter().partition(|point| domain.depth(*point) > still);
+        moving.extend(shell);
+        let is_met = |point: &&Point| domain.depth(**point) < still + 2.0 * relax::REACH;
+        let met = core.iter().filter(is_met).copied().collect();
+        Filling { moving, still: core, met }
+    }
+
+    /// What each of them gets of a volume in m3, in squares of the particle size.
+    fn area(&self, options: &PackingOptions, volume: f64) -> f64 {
+        let size = options.particle_size;
+        let points = self.still.iter().chain(&self.moving);
+        volume / points.map(|point| TAU * (options.origin + point[0] * size) * size * size).sum::<f64>()
+    }
+
+    /// Relaxes all that move, and then lifts or lowers the outermost layer until the contour is at the boundary.
+    fn settle(&mut self, domain: &Domain, options: &PackingOptions, volume: f64) {
+        relax::relax(domain, &mut self.moving, &self.met, options.iterations);
+        let mut layer = relax::DEPTH;
+        for _ in 0..LEVELLINGS {
+            layer -= level::gap(domain, &self.moving, &self.met, self.area(options, volume));
+            // In a body of a few particles there is no layer to speak of.
+            layer = layer.clamp(relax::DEPTH - MOST_LIFT, relax::DEPTH + MOST_LIFT);
+            relax::go_on(domain, &mut self.moving, &self.met, options.iterations / 20, layer);
+        }
+    }
 }
 
 /// Fills `region` with particles of equal area.
@@ -144,17 +176,16 @@ fn settle_band(domain: &Domain, options: &PackingOptions) -> Vec<Point> {
 /// volume is more than 2 % (and the rounding to whole particles) off the region's.
 pub fn pack(region: &dyn Region, options: &PackingOptions) -> Result<Packing, PackingError> {
     let domain = Domain::new(region, options)?;
-    let points = match domain.count < LARGE {
-        true => settle_all(&domain, options),
-        false => settle_band(&domain, options),
-    };
+    let expected = options.volume.unwrap_or_else(|| region.volume());
+    let mut filling = Filling::start(&domain, options);
+    filling.settle(&domain, options, expected);
+    let points = [filling.still, filling.moving].concat();
 
     let size = options.particle_size;
     let r: Vec<f64> = points.iter().map(|point| point[0] * size).collect();
     let z: Vec<f64> = points.iter().map(|point| domain.metres_z(point[1])).collect();
     let ring: f64 = r.iter().map(|r| TAU * (options.origin + r)).sum();
     let found = ring * size * size;
-    let expected = options.volume.unwrap_or_else(|| region.volume());
     let deviation = (expected / found - 1.0).abs();
     // A whole number of particles can be half a particle off; twice that is still no bad packing.
     let allowed = 0.02 + 1.0 / points.len() as f64;

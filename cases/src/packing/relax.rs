@@ -16,15 +16,18 @@ use std::f64::consts::PI;
 /// Largest support radius of the kernel, and so the reach of dust and images, in particle sizes.
 pub(super) const REACH: f64 = 2.8;
 const STEP: f64 = 0.25;
-/// Depth of the outermost layer in particle sizes.
+/// Depth of the outermost layer in particle sizes, to begin with.
 pub(super) const DEPTH: f64 = 0.5;
+/// Particles that are not much deeper belong to the outermost layer.
+pub(super) const CAPTURE: f64 = 0.75;
 
+#[derive(Clone, Copy)]
 struct Stage {
     /// Share of the iterations.
     share: f64,
     /// Support radius of the kernel in particle sizes.
     support: f64,
-    /// Shallower particles are moved to `DEPTH`, be it outwards or inwards.
+    /// Shallower particles are moved to the depth of the outermost layer, be it outwards or inwards.
     capture: f64,
 }
 
@@ -35,20 +38,36 @@ struct Stage {
 /// are drawn into it.)
 const STAGES: [Stage; 3] = [
     Stage { share: 0.4, support: REACH, capture: DEPTH },
-    Stage { share: 0.4, support: 1.8, capture: 0.75 },
-    Stage { share: 0.2, support: 2.0, capture: 0.75 },
+    Stage { share: 0.4, support: 1.8, capture: CAPTURE },
+    Stage { share: 0.2, support: 2.0, capture: CAPTURE },
 ];
 
 /// Moves `points`; `fixed` are particles that stay where they are.
 pub(super) fn relax(domain: &Domain, points: &mut [Point], fixed: &[Point], iterations: usize) {
-    let mut outside = dust(domain);
+    run(domain, points, fixed, &STAGES, iterations, DEPTH);
+}
+
+/// Goes on from where [`relax`] ended, with the outermost layer at another depth.
+pub(super) fn go_on(domain: &Domain, points: &mut [Point], fixed: &[Point], iterations: usize, depth: f64) {
+    run(domain, points, fixed, &[Stage { share: 1.0, ..STAGES[2] }], iterations, depth);
+}
+
+fn run(
+    domain: &Domain,
+    points: &mut [Point],
+    fixed: &[Point],
+    stages: &[Stage],
+    iterations: usize,
+    layer: f64,
+) {
+    let mut outside = dust(domain, REACH);
     outside.extend(fixed.iter().map(|&point| Source { point, area: 1.0 }));
     let (mut sources, mut cells) = (Vec::new(), Cells::default());
     // A lower bound of each particle's depth: only those that may be too shallow are looked up.
     let mut depths = vec![0.0; points.len()];
     let mut end = 0.0;
     let mut done = 0;
-    for stage in &STAGES {
+    for stage in stages {
         end += stage.share * iterations as f64;
         while (done as f64) < end && done < iterations {
             gather(domain, points, &outside, &mut sources);
@@ -58,7 +77,7 @@ pub(super) fn relax(domain: &Domain, points: &mut [Point], fixed: &[Point], iter
                 *point = [point[0] - STEP * push_r, point[1] - STEP * push_z];
                 *depth -= STEP * (push_r * push_r + push_z * push_z).sqrt();
                 if *depth < stage.capture {
-                    *depth = hold(domain, point, stage.capture);
+                    *depth = hold(domain, point, stage.capture, layer);
                 }
                 wrap(domain, point);
             });
@@ -142,7 +161,12 @@ pub(super) fn gather(domain: &Domain, points: &[Point], outside: &[Source], sour
     sources.clear();
     sources.extend(points.iter().map(|&point| Source { point, area: 1.0 }));
     sources.extend_from_slice(outside);
-    let mut add_images = |within: &dyn Fn(Point) -> bool, image: &dyn Fn(Point) -> Point| {
+    add_images(domain, REACH, sources);
+}
+
+/// Adds the images of all sources that lie within `reach` of the axis or a period's ends.
+pub(super) fn add_images(domain: &Domain, reach: f64, sources: &mut Vec<Source>) {
+    let mut add = |within: &dyn Fn(Point) -> bool, image: &dyn Fn(Point) -> Point| {
         for index in 0..sources.len() {
             let Source { point, area } = sources[index];
             if within(point) {
@@ -151,35 +175,35 @@ pub(super) fn gather(domain: &Domain, points: &[Point], outside: &[Source], sour
         }
     };
     if domain.has_axis {
-        add_images(&|[r, _]| r < REACH, &|[r, z]| [-r, z]);
+        add(&|[r, _]| r < reach, &|[r, z]| [-r, z]);
     }
     if let Some(width) = domain.period_r {
-        add_images(&|[r, _]| r < REACH, &|[r, z]| [r + width, z]);
-        let far = width - REACH..width;
-        add_images(&|[r, _]| far.contains(&r), &|[r, z]| [r - width, z]);
+        add(&|[r, _]| r < reach, &|[r, z]| [r + width, z]);
+        let far = width - reach..width;
+        add(&|[r, _]| far.contains(&r), &|[r, z]| [r - width, z]);
     }
     if let Some(period) = domain.period {
-        add_images(&|[_, z]| z < REACH, &|[r, z]| [r, z + period]);
+        add(&|[_, z]| z < reach, &|[r, z]| [r, z + period]);
         // The images just added lie above the period and have none of their own.
-        let top = period - REACH..period;
-        add_images(&|[_, z]| top.contains(&z), &|[r, z]| [r, z - period]);
+        let top = period - reach..period;
+        add(&|[_, z]| top.contains(&z), &|[r, z]| [r, z - period]);
     }
 }
 
-/// The plane outside, within reach of a particle, in pieces: each at its centroid with its area.
-pub(super) fn dust(domain: &Domain) -> Vec<Source> {
+/// The plane outside, not farther than `reach` from the region, in pieces: each at its centroid with its area.
+pub(super) fn dust(domain: &Domain, reach: f64) -> Vec<Source> {
     const SIDE: f64 = 0.5;
     let [r_min, r_max, z_min, z_max] = domain.bounds;
-    let first_r = if domain.has_axis { 0.0 } else { r_min - REACH };
-    let columns = ((r_max + REACH - first_r) / SIDE).ceil() as usize;
+    let first_r = if domain.has_axis { 0.0 } else { r_min - reach };
+    let columns = ((r_max + reach - first_r) / SIDE).ceil() as usize;
     let (first_z, rows, height) = match domain.period {
         Some(period) => {
             let rows = (period / SIDE).ceil();
             (0.0, rows as usize, period / rows)
         }
         None => {
-            let rows = ((z_max - z_min + 2.0 * REACH) / SIDE).ceil();
-            (z_min - REACH, rows as usize, SIDE)
+            let rows = ((z_max - z_min + 2.0 * reach) / SIDE).ceil();
+            (z_min - reach, rows as usize, SIDE)
         }
     };
     let half = [SIDE / 2.0, height / 2.0];
@@ -190,7 +214,7 @@ pub(super) fn dust(domain: &Domain) -> Vec<Source> {
             first_z + (2 * (index / columns) + 1) as f64 * half[1],
         ];
         let distance = domain.signed_distance(centre);
-        if !(-SIDE..REACH).contains(&distance) {
+        if !(-SIDE..reach).contains(&distance) {
             return None;
         }
         let [inside, moment_r, moment_z] = domain.inside(centre, half, 0.03);
@@ -201,16 +225,16 @@ pub(super) fn dust(domain: &Domain) -> Vec<Source> {
     (0..columns * rows).into_par_iter().filter_map(piece).collect()
 }
 
-/// Moves `point`, if it is shallower than `capture`, to depth `DEPTH` along the gradient of the
+/// Moves `point`, if it is shallower than `capture`, to the depth `layer` along the gradient of the
 /// signed distance. Returns its depth.
-fn hold(domain: &Domain, point: &mut Point, capture: f64) -> f64 {
+fn hold(domain: &Domain, point: &mut Point, capture: f64, layer: f64) -> f64 {
     let mut distance = domain.signed_distance(*point);
     if distance < -capture {
         return -distance;
     }
     // A few steps settle it at a corner or where the distance is only a bound.
     for _ in 0..4 {
-        let excess = distance + DEPTH;
+        let excess = distance + layer;
         if excess.abs() <= 1e-9 {
             break;
         }

@@ -1,0 +1,50 @@
+//! How well the particles' contour meets the region's boundary.
+//!
+//! Relaxed particles are spread evenly, but as a body they lie some hundredths of a size too deep: a layer at half a
+//! size would be right for rows of them, and what the number of particles lacks, being whole, the boundary shows.
+//! Surface tension would find a drop of a smaller radius than asked for.
+
+use super::cells::Cells;
+use super::domain::{Domain, Point, Source};
+use super::relax::{CAPTURE, add_images, dust};
+use rayon::prelude::*;
+use std::f64::consts::PI;
+
+/// Support radius, in particle sizes, of the kernel that smears particles over some layers.
+const SUPPORT: f64 = 6.0;
+
+/// How far, in particle sizes, the contour of `points` and `fixed`, each with `area` in squares of a particle
+/// size, lies below the boundary in the mean.
+///
+/// At the boundary the particles inside and the continuum outside add up to one where both meet there. What they
+/// lack, over the slope that the particles' part has at an edge, is how far one is from the other.
+pub(super) fn gap(domain: &Domain, points: &[Point], fixed: &[Point], area: f64) -> f64 {
+    // One image on either side must cover the kernel.
+    let support = domain.period.map_or(SUPPORT, |period| period.min(SUPPORT));
+    let particles = points.iter().chain(fixed);
+    let mut sources: Vec<Source> = particles.map(|&point| Source { point, area }).collect();
+    sources.extend(dust(domain, support));
+    add_images(domain, support, &mut sources);
+    let mut cells = Cells::default();
+    cells.fill(&sources);
+    let gap_at = |point: &Point| {
+        let depth = -domain.signed_distance(*point);
+        let (outward, slope) = domain.outward(*point).filter(|_| depth < CAPTURE)?;
+        let foot = [0, 1].map(|axis| point[axis] + depth / slope * outward[axis]);
+        Some(1.0 - sum(&cells, foot, support))
+    };
+    let gaps: Vec<f64> = points.par_iter().filter_map(gap_at).collect();
+    // A straight edge's slope: the integral of the kernel along a line through its centre.
+    let slope = 14.0 / (3.0 * PI * support);
+    if gaps.is_empty() { 0.0 } else { gaps.iter().sum::<f64>() / gaps.len() as f64 / slope }
+}
+
+/// `sum area W` at a point with the planar Wendland C2 kernel.
+fn sum(cells: &Cells, point: Point, support: f64) -> f64 {
+    let [r, z, area] = &cells.sorted;
+    let weight = |k: usize| {
+        let q = (r[k] - point[0]).hypot(z[k] - point[1]) / support;
+        area[k] * (1.0 - q).max(0.0).powi(4) * (1.0 + 4.0 * q)
+    };
+    7.0 / (PI * support * support) * cells.near(point, support).flatten().map(weight).sum::<f64>()
+}
