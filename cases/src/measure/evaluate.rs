@@ -81,7 +81,8 @@ pub fn evaluate(scene: &Scene, history: &History) -> Vec<Outcome> {
             }
             Measure::GrowthRate { wavenumber, radius } => {
                 let sizes = (wavenumber, radius, scene.particle_size);
-                jet::evaluate(history, &columns, &scene.liquid, sizes)
+                let liquid = (&scene.liquid, scene.derived_sound_speed());
+                jet::evaluate(history, &columns, liquid, sizes)
             }
             Measure::FilmRetraction { thickness } => {
                 film::evaluate(history, &columns, &scene.liquid, thickness)

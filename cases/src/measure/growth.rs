@@ -6,8 +6,9 @@ use faer::linalg::solvers::SolveLstsq;
 /// Iterations at most.
 const ITERATIONS: usize = 60;
 
-/// q in 1/s of c1 e^(q t) + c2 e^(-p q t) with a given p, fitted by Gauss-Newton to values at times (s) from
-/// an expected rate; `None` for fewer than 8 values or none that grow.
+/// q in 1/s of c1 e^(q t) + c2 e^(-p q t) + c3 with a given p, fitted by Gauss-Newton to values at times (s) from
+/// an expected rate; `None` for fewer than 8 values or none that grow. (The constant is the packing's own part in
+/// what is measured: particles at rest don't lie evenly, either.)
 pub fn fit(times: &[f64], values: &[f64], (expected, p): (f64, f64)) -> Option<f64> {
     if times.len() < 8 {
         return None;
@@ -18,15 +19,15 @@ pub fn fit(times: &[f64], values: &[f64], (expected, p): (f64, f64)) -> Option<f
     let values: Vec<f64> = values.iter().map(|v| v / largest).collect();
     let mut rate = 1.0;
     for _ in 0..ITERATIONS {
-        let [grows, decays] = linear(&phases, &values, [rate, -p * rate])?;
-        let basis = |phase: f64| [(rate * phase).exp(), (-p * rate * phase).exp()];
-        let matrix = Mat::from_fn(phases.len(), 3, |row, column| {
-            let [up, down] = basis(phases[row]);
-            [phases[row] * (grows * up - p * decays * down), up, down][column]
+        let basis = |phase: f64| [(rate * phase).exp(), (-p * rate * phase).exp(), 1.0];
+        let [grows, decays, level] = linear(&phases, &values, basis)?;
+        let matrix = Mat::from_fn(phases.len(), 4, |row, column| {
+            let [up, down, one] = basis(phases[row]);
+            [phases[row] * (grows * up - p * decays * down), up, down, one][column]
         });
         let right = Mat::from_fn(phases.len(), 1, |row, _| {
-            let [up, down] = basis(phases[row]);
-            values[row] - grows * up - decays * down
+            let [up, down, _] = basis(phases[row]);
+            values[row] - grows * up - decays * down - level
         });
         let step: f64 = matrix.qr().solve_lstsq(&right)[(0, 0)];
         if !step.is_finite() {
@@ -52,10 +53,10 @@ pub fn slope(places: &[f64], values: &[f64]) -> Option<f64> {
     (run > 0.0).then(|| rise / run)
 }
 
-fn linear(phases: &[f64], values: &[f64], rates: [f64; 2]) -> Option<[f64; 2]> {
-    let matrix = Mat::from_fn(phases.len(), 2, |row, column| (rates[column] * phases[row]).exp());
+fn linear(phases: &[f64], values: &[f64], basis: impl Fn(f64) -> [f64; 3]) -> Option<[f64; 3]> {
+    let matrix = Mat::from_fn(phases.len(), 3, |row, column| basis(phases[row])[column]);
     let right = Mat::from_fn(values.len(), 1, |row, _| values[row]);
     let solution = matrix.qr().solve_lstsq(&right);
-    let both = [solution[(0, 0)], solution[(1, 0)]];
-    both.iter().all(|c| c.is_finite()).then_some(both)
+    let all = [0, 1, 2].map(|row| solution[(row, 0)]);
+    all.iter().all(|c| c.is_finite()).then_some(all)
 }

@@ -26,5 +26,5 @@ pub mod viscous;
 pub use columns::{columns_of, numbered, with_index};
 pub use evaluate::{Outcome, conservation, evaluate, oscillation_fit};
 pub use history::History;
-pub use jet::growth_of_wave;
+pub use jet::{compressible_growth_ratio, growth_of_wave};
 pub use observe::{Observer, Quantity};
