@@ -263,7 +263,7 @@ fn a_jet_breaks_up_and_its_drops_stay_whole() {
 /// They hold, but a particle near the axis makes the step twenty times shorter (`cases/rayleigh-plateau-jet`):
 /// `cargo test -p meniscus-tests --test hard -- --ignored --nocapture large_supports`.
 #[test]
-#[ignore = "eight minutes"]
+#[ignore = "eight minutes of two cores"]
 fn torn_surfaces_survive_large_supports() {
     for theta in ["method.theta=0.75", "method.theta=1"] {
         survive("oscillating-drop/hard.toml", &["particle_size=\"90 nm\"", theta]);
@@ -272,10 +272,10 @@ fn torn_surfaces_survive_large_supports() {
     }
 }
 
-/// A third of a period:
+/// For 10000 steps, not only for some:
 /// `cargo test -p meniscus-tests --test hard -- --ignored --nocapture two_hundred`.
 #[test]
-#[ignore = "some minutes"]
+#[ignore = "two minutes of processor time"]
 fn a_drop_of_two_hundred_particles_to_the_radius_swings() {
     let settings = ["particle_size=radius/200", "particles.settle=0", "run.steps=10000"];
     survive("oscillating-drop/scene.toml", &settings);
