@@ -1,15 +1,25 @@
-//! The `hard` scenes of the cases: nothing may become infinite, win energy, cross the axis or gather
-//! neighbours without bound.
+//! Every case in a `hard` form: nothing may become infinite, win energy, cross the axis or gather neighbours
+//! without bound.
 
+use meniscus_cases::measure::Observer;
 use meniscus_cases::scene::{Scene, read};
 use meniscus_cases::simulation::Simulation;
 use meniscus_tests::drops::{self, column, totals};
-use std::f64::consts::PI;
 use std::path::Path;
 
-/// Most neighbours of one particle within its list. A packing has 15 at the least smoothing length; a shock
-/// or the axis may gather a few times as many, a collapse of the packing hundreds.
-const MOST_NEIGHBOURS: usize = 100;
+/// Most neighbours of one particle within its list, over the most of the packing at the start: 100 at the least
+/// smoothing length. A torn surface, the axis or a gas that streams into a point gathers up to four times as many,
+/// a collapse of the packing dozens of times.
+const GATHERED: f64 = 6.0;
+
+/// What the sum of all energy may change by where heat is counted: a thousand steps of sums that cancel to 1e-16.
+const ROUNDING: f64 = 1e-12;
+
+/// What the time integration may add to the energy where heat is not counted: the flux dissipates more.
+const WON: f64 = 0.001;
+
+/// Momentum along the axis, over the largest sum of |m U_z|: each step adds a rounding of that sum.
+const MOMENTUM: f64 = 1e-11;
 
 fn hard(case: &str, settings: &[&str]) -> Scene {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../cases").join(case);
@@ -18,6 +28,13 @@ fn hard(case: &str, settings: &[&str]) -> Scene {
         Ok(scene) => scene,
         Err(diagnosis) => panic!("{diagnosis}"),
     }
+}
+
+/// Energy of the surface in J, from its measured area; 0 without surface tension.
+fn surface_energy(scene: &Scene, simulation: &Simulation) -> f64 {
+    let observer = Observer::new(scene, simulation);
+    let place = observer.quantities().iter().position(|quantity| quantity.name == "surface energy");
+    place.map_or(0.0, |place| observer.observe(simulation)[place])
 }
 
 /// Kinetic energy, and that of the central force or, where the energy equation is solved, the heat; in J.
@@ -32,33 +49,64 @@ fn energy(scene: &Scene, simulation: &Simulation) -> f64 {
     totals(simulation).kinetic + 0.5 * scene.central_force * squares.sum::<f64>()
 }
 
-/// Rounding alone: a thousand steps of sums that cancel to 1e-16 each.
-const ROUNDING: f64 = 1e-12;
+/// Most neighbours of one particle within its list.
+fn most_neighbours(simulation: &Simulation) -> usize {
+    let list = &simulation.world.neighbours;
+    (0..list.len()).map(|i| list.of(i).count()).max().unwrap_or(0)
+}
 
-/// What the time integration may add to the energy where heat is not counted: the flux dissipates more.
-const WON: f64 = 0.001;
-
-/// Runs to the end and checks every hundred steps.
-fn survive(case: &str, settings: &[&str]) {
+/// Runs to the end of the scene, by its time or its steps, and checks every `CHECKED` steps. Without surface
+/// tension [`energy`] must not grow, and must stay to rounding where heat is counted; surface tension may set in
+/// motion no more than all that was there, kinetic energy and surface. Gives the largest part of all energy
+/// that was in motion.
+fn survive(case: &str, settings: &[&str]) -> f64 {
+    const CHECKED: u64 = 100;
     let scene = hard(case, settings);
     let mut simulation = drops::start(&scene);
-    let start = energy(&scene, &simulation);
+    let start = totals(&simulation);
+    let packed = most_neighbours(&simulation).max(1) as f64;
     let with_heat = simulation.physics.equation.with_energy();
-    let (mut change, mut gathered) = (0.0, 0);
-    while simulation.world.clock.time < scene.until {
-        drops::advance(&mut simulation, 100);
+    let with_tension = scene.liquid.surface_tension > 0.0;
+    let at_first = energy(&scene, &simulation) + surface_energy(&scene, &simulation);
+    let (mut most, mut drift, mut gathered, mut scale) = (0.0_f64, 0.0_f64, 0.0_f64, start.momentum_scale);
+    let mut change = 0.0;
+    let last = scene.steps.unwrap_or(u64::MAX);
+    while simulation.world.clock.time < scene.until && simulation.world.clock.step < last {
+        let left = last - simulation.world.clock.step;
+        drops::advance(&mut simulation, left.min(CHECKED) as usize);
         assert!(drops::is_finite(&simulation), "{case} {settings:?}");
         let least = column(&simulation, "radius").into_iter().fold(f64::INFINITY, f64::min);
         assert!(least + scene.domain.origin > 0.0, "{case} {settings:?}: radius {least}");
-        let list = &simulation.world.neighbours;
-        let neighbours = (0..list.len()).map(|i| list.of(i).count()).max().unwrap_or(0);
-        assert!(neighbours < MOST_NEIGHBOURS, "{case} {settings:?}: {neighbours} neighbours");
-        gathered = gathered.max(neighbours);
-        change = energy(&scene, &simulation) / start - 1.0;
-        let bounded = if with_heat { change.abs() < ROUNDING } else { change < WON };
+        gathered = gathered.max(most_neighbours(&simulation) as f64 / packed);
+        assert!(gathered < GATHERED, "{case} {settings:?}: {gathered} times the neighbours of the packing");
+        let now = totals(&simulation);
+        most = most.max(now.kinetic / at_first);
+        change = energy(&scene, &simulation) / at_first - 1.0;
+        let bounded = if with_heat { change.abs() < ROUNDING } else { with_tension || change < WON };
         assert!(bounded, "{case} {settings:?}: energy changes by {change:e}");
+        assert!(!with_tension || most < 1.0, "{case} {settings:?}: {most} of the energy there was");
+        // The central force acts from outside.
+        if scene.central_force == 0.0 {
+            scale = scale.max(now.momentum_scale);
+            drift = drift.max((now.momentum - start.momentum).abs() / scale);
+            assert!(drift < MOMENTUM, "{case} {settings:?}: axial momentum drifts by {drift:e}");
+        }
     }
-    println!("{case} {settings:?}: energy changes by {change:e}, {gathered} neighbours");
+    let energy = if with_tension {
+        format!("at most {most:.3} of the energy in motion")
+    } else {
+        format!("energy changes by {change:.1e}")
+    };
+    let steps = simulation.world.clock.step;
+    println!("{case} {settings:?}: {energy}, {gathered:.1} times the neighbours, {steps} steps");
+    most
+}
+
+/// Runs a scene with each set of settings.
+fn survive_all(case: &str, variants: &[&[&str]]) {
+    for settings in variants {
+        survive(case, settings);
+    }
 }
 
 #[test]
@@ -69,134 +117,166 @@ fn water_drops_survive_fast_impacts() {
             survive("drop-collision-impact/hard.toml", &[&speeds[0], &speeds[1], size]);
         }
     }
-    for setting in ["method.theta=0.75", "method.theta=1", "method.cfl=0.8"] {
-        survive("drop-collision-impact/hard.toml", &[setting]);
-    }
+    let variants: &[&[&str]] = &[
+        &["method.theta=0.6"],
+        &["method.theta=0.75"],
+        &["method.theta=1"],
+        &["method.cfl=0.8"],
+        &["method.theta=1", "method.cfl=0.8"],
+        &["method.cfl=0.8", "large_speed=\"200 m/s\"", "small_speed=\"200 m/s\""],
+    ];
+    survive_all("drop-collision-impact/hard.toml", variants);
 }
 
 #[test]
 fn water_layers_survive_strong_shocks() {
-    survive("impact-shock/hard.toml", &["particle_size=\"20 um\""]);
+    for method in ["method.theta=0.5", "method.theta=0.75", "method.theta=1", "method.cfl=0.8"] {
+        survive("impact-shock/hard.toml", &["particle_size=\"20 um\"", method]);
+    }
 }
 
 #[test]
 fn a_gas_without_heat_survives_its_way_into_a_point() {
-    survive("noh/hard.toml", &[]);
+    for method in ["method.theta=0.5", "method.theta=0.75", "method.theta=1", "method.cfl=0.8"] {
+        survive("noh/hard.toml", &[method]);
+    }
 }
 
+/// At its own smoothing length and Courant number alone: its page tells what others win.
 #[test]
 fn a_long_spheroid_does_not_win_energy() {
     survive("free-spheroid/hard.toml", &[]);
-}
-
-/// Momentum along the axis, over the largest sum of |m U_z|: each step adds a rounding of that sum.
-const MOMENTUM: f64 = 1e-11;
-
-/// Runs a scene with surface tension to the end; the largest part of all energy that was in motion. The surface
-/// may give no more than all its energy at the start, `surface` times the tension (m2).
-fn survive_with_tension(case: &str, settings: &[&str], surface: f64) -> f64 {
-    let scene = hard(case, settings);
-    let mut simulation = drops::start(&scene);
-    let start = totals(&simulation);
-    let available = start.kinetic + scene.liquid.surface_tension * surface;
-    let (mut most, mut scale) = (0.0_f64, start.momentum_scale);
-    while simulation.world.clock.time < scene.until {
-        drops::advance(&mut simulation, 100);
-        assert!(drops::is_finite(&simulation), "{case} {settings:?}");
-        let least = column(&simulation, "radius").into_iter().fold(f64::INFINITY, f64::min);
-        assert!(least > 0.0, "{case} {settings:?}: radius {least}");
-        let now = totals(&simulation);
-        most = most.max(now.kinetic / available);
-        scale = scale.max(now.momentum_scale);
-        assert!(most < 1.0, "{case} {settings:?}: {most} of the energy there was");
-        let drift = (now.momentum - start.momentum).abs() / scale;
-        assert!(drift < MOMENTUM, "{case} {settings:?}: axial momentum drifts by {drift:e}");
-    }
-    println!("{case} {settings:?}: at most {most:.3} of the energy in motion");
-    most
 }
 
 /// Drops that become one set free a tenth of their surface. A rough surface must not drive itself on after that:
 /// with Laplace pressures that changed at any rate, a fifth and more of the energy was in motion.
 #[test]
 fn splashes_do_not_drive_themselves() {
-    let surface = 4.0 * PI * (1.0e-12 + 0.49e-12);
     for size in ["particle_size=small/7", "particle_size=small/12"] {
-        let most = survive_with_tension("drop-collision-capillary/hard.toml", &[size], surface);
+        let most = survive("drop-collision-capillary/hard.toml", &[size]);
         assert!(most < 0.12, "{size}: {most} of the energy in motion");
     }
 }
 
 #[test]
 fn small_drops_merge_at_speed() {
-    let surface = 4.0 * PI * (1.0e-12 + 0.49e-12);
     for size in ["0.115 um", "0.1 um", "0.085 um", "0.067 um"] {
-        survive_with_tension(
-            "drop-collision-capillary/hard.toml",
-            &[&format!("particle_size=\"{size}\"")],
-            surface,
-        );
+        survive("drop-collision-capillary/hard.toml", &[&format!("particle_size=\"{size}\"")]);
+    }
+    for method in ["method.theta=0.6", "method.theta=0.75", "method.theta=1", "method.cfl=0.8"] {
+        survive("drop-collision-capillary/hard.toml", &["particle_size=small/7", method]);
     }
 }
 
 #[test]
 fn a_long_drop_shoots_past_the_sphere_and_comes_back() {
-    let (radial, axial) = (1e-6_f64, 3e-6_f64);
-    let eccentricity = (1.0 - (radial / axial).powi(2)).sqrt();
-    let surface = 2.0 * PI * radial * (radial + axial / eccentricity * eccentricity.asin());
-    for size in ["90 nm", "75 nm", "66.7 nm"] {
-        survive_with_tension("oscillating-drop/hard.toml", &[&format!("particle_size=\"{size}\"")], surface);
+    let variants: &[&[&str]] = &[
+        &["particle_size=\"90 nm\""],
+        &["particle_size=\"75 nm\""],
+        &["particle_size=\"66.7 nm\""],
+        // Settling rounds it: without, it starts as long as it is.
+        &["particle_size=\"90 nm\"", "particles.settle=0"],
+        &["particle_size=\"90 nm\"", "method.theta=0.6"],
+        &["particle_size=\"90 nm\"", "method.cfl=0.8"],
+    ];
+    survive_all("oscillating-drop/hard.toml", variants);
+}
+
+/// Small oscillations, with and without viscosity, from 12 particles to a radius to 200: so many for a few steps.
+#[test]
+fn drops_swing_in_coarse_and_fine_particles() {
+    let (coarse, fine) = ("particle_size=radius/12", "particle_size=radius/200");
+    let variants: &[&[&str]] = &[
+        &[coarse],
+        &[coarse, "method.theta=0.6"],
+        &[coarse, "method.theta=0.75"],
+        &[coarse, "method.theta=1"],
+        &[fine, "particles.settle=0", "run.steps=300"],
+    ];
+    survive_all("oscillating-drop/scene.toml", variants);
+    survive_all("viscous-drop/scene.toml", &[&[coarse, "ohnesorge=1", "times=3"]]);
+}
+
+#[test]
+fn drops_rest() {
+    for settings in [&["particle_size=radius/12"][..], &["particle_size=radius/12", "method.theta=1"]] {
+        survive("laplace-drop/scene.toml", settings);
     }
-    // Settling rounds it: without, it starts as long as it is.
-    let settings = ["particle_size=\"90 nm\"", "particles.settle=0"];
-    survive_with_tension("oscillating-drop/hard.toml", &settings, surface);
+    survive("laplace-drop/two-drops.toml", &["particle_size=radius/20"]);
 }
 
 #[test]
 fn a_drop_swings_at_a_large_amplitude() {
-    let (radial, axial) = (2.5e-6 * 1.5_f64.powf(-1.0 / 3.0), 2.5e-6 * 1.5_f64.powf(2.0 / 3.0));
-    let eccentricity = (1.0 - (radial / axial).powi(2)).sqrt();
-    let surface = 2.0 * PI * radial * (radial + axial / eccentricity * eccentricity.asin());
-    let settings = ["particle_size=radius/12", "periods=2"];
-    survive_with_tension("large-amplitude-drop/scene.toml", &settings, surface);
+    for ratio in ["aspect_ratio=1.5", "aspect_ratio=1.6"] {
+        survive("large-amplitude-drop/scene.toml", &["particle_size=radius/12", "periods=2", ratio]);
+    }
 }
 
 #[test]
 fn touching_drops_become_one() {
-    for ratio in [1.0, 0.5] {
-        let surface = 4.0 * PI * 1e-10 * (1.0 + ratio * ratio);
-        let settings = [&format!("ratio={ratio}")[..], "particle_size=radius/14", "times=1.5"];
-        survive_with_tension("drop-coalescence/scene.toml", &settings, surface);
+    for ratio in ["ratio=1", "ratio=0.5"] {
+        survive("drop-coalescence/scene.toml", &[ratio, "particle_size=radius/14", "times=1.5"]);
     }
 }
 
 #[test]
 fn equal_drops_meet_head_on() {
-    for weber in ["weber=5", "weber=30"] {
-        let settings = [weber, "particle_size=radius/12", "times=1.5"];
-        survive_with_tension("equal-drop-impact/scene.toml", &settings, 8.0 * PI * 1e-10);
+    for weber in ["weber=5", "weber=30", "weber=100"] {
+        survive("equal-drop-impact/scene.toml", &[weber, "particle_size=radius/12", "times=1.5"]);
     }
 }
 
 #[test]
 fn a_ring_closes_on_the_axis() {
-    let surface = 4.0 * PI * PI * 2e-6 * 0.5e-6;
     for size in ["75 nm", "66.7 nm", "55 nm"] {
-        survive_with_tension("closing-torus/hard.toml", &[&format!("particle_size=\"{size}\"")], surface);
+        survive("closing-torus/hard.toml", &[&format!("particle_size=\"{size}\"")]);
     }
 }
 
 #[test]
 fn a_disc_draws_back_and_closes_on_the_axis() {
-    let (radius, thickness) = (3e-6, 0.5e-6);
-    survive_with_tension("taylor-culick-film/hard.toml", &[], 2.0 * PI * radius * (radius + thickness));
+    survive_all("taylor-culick-film/hard.toml", &[&[], &["method.theta=0.6"], &["method.cfl=0.8"]]);
 }
 
+/// As a long one that draws back, and as a short one whose rims meet.
+#[test]
+fn a_plane_film_draws_back_until_its_rims_meet() {
+    let coarse = "particle_size=thickness/10";
+    let variants: &[&[&str]] = &[&[coarse], &[coarse, "length=12*thickness", "times=15"]];
+    survive_all("taylor-culick-film/scene.toml", variants);
+}
+
+/// Also as a thread so viscous that it thins for long before it tears.
 #[test]
 fn a_jet_breaks_up_and_its_drops_stay_whole() {
-    let surface = 2.0 * PI * 1e-6 * 10e-6;
-    for size in ["66.7 nm", "50 nm"] {
-        let settings = [&format!("particle_size=\"{size}\"")[..], "times=18"];
-        survive_with_tension("rayleigh-plateau-jet/scene.toml", &settings, surface);
+    let variants: &[&[&str]] = &[
+        &["particle_size=\"66.7 nm\"", "times=18"],
+        &["particle_size=\"50 nm\"", "times=18"],
+        &["particle_size=\"66.7 nm\"", "times=18", "method.theta=0.6"],
+        &["particle_size=\"66.7 nm\"", "times=18", "method.cfl=0.8"],
+        &["particle_size=radius/10", "times=24", "ohnesorge=0.1"],
+    ];
+    survive_all("rayleigh-plateau-jet/scene.toml", variants);
+    survive("rayleigh-plateau-jet/pinch-off.toml", &["particle_size=radius/12", "times=12"]);
+}
+
+/// They hold, but a particle near the axis makes the step twenty times shorter (`cases/rayleigh-plateau-jet`):
+/// `cargo test -p meniscus-tests --test hard -- --ignored --nocapture large_supports`.
+#[test]
+#[ignore = "eight minutes of two cores"]
+fn torn_surfaces_survive_large_supports() {
+    for theta in ["method.theta=0.75", "method.theta=1"] {
+        survive("oscillating-drop/hard.toml", &["particle_size=\"90 nm\"", theta]);
+        survive("rayleigh-plateau-jet/scene.toml", &["particle_size=\"66.7 nm\"", "times=18", theta]);
+        survive("taylor-culick-film/hard.toml", &[theta]);
     }
+}
+
+/// For 10000 steps, not only for some:
+/// `cargo test -p meniscus-tests --test hard -- --ignored --nocapture two_hundred`.
+#[test]
+#[ignore = "two minutes of processor time"]
+fn a_drop_of_two_hundred_particles_to_the_radius_swings() {
+    let settings = ["particle_size=radius/200", "particles.settle=0", "run.steps=10000"];
+    survive("oscillating-drop/scene.toml", &settings);
 }

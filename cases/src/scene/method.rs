@@ -55,9 +55,10 @@ pub struct Method {
     pub precision: Precision,
 }
 
-/// Largest Courant number: all hard scenes survive it, while an impact at 200 + 200 m/s breaks down with 1. Drops
-/// lose accuracy above the default already: with 0.7 an oscillating one, 35 particles to a radius, is damped
-/// by 1 % a period.
+/// Largest Courant number: with it the hard scenes stay finite and their particles apart, and all but one win no
+/// energy (`cases/free-spheroid`); an impact at 200 + 200 m/s breaks down with 1. Drops lose accuracy above the
+/// default already: with 0.7 an oscillating one, 35 particles to a radius, is damped by 1 % a period, and
+/// coarse ones throw off single particles (`cases/oscillating-drop`).
 pub const LARGEST_COURANT: f64 = 0.8;
 
 /// Coefficient of particle shifting under surface tension: of 1, 2, 3 and 5 the one with which most fast
