@@ -15,8 +15,9 @@ const GATHERED: f64 = 6.0;
 /// What the sum of all energy may change by where heat is counted: a thousand steps of sums that cancel to 1e-16.
 const ROUNDING: f64 = 1e-12;
 
-/// What the time integration may add to the energy where heat is not counted: the flux dissipates more.
-const WON: f64 = 0.001;
+/// What shifting all particles may add to the energy where heat is not counted: it moves mass in the flow and in the
+/// force (`cases/free-spheroid` tells how much it adds; without it nothing is won).
+const WON: f64 = 0.01;
 
 /// Momentum along the axis, over the largest sum of |m U_z|: each step adds a rounding of that sum.
 const MOMENTUM: f64 = 1e-11;
@@ -121,31 +122,37 @@ fn water_drops_survive_fast_impacts() {
         &["method.theta=0.6"],
         &["method.theta=0.75"],
         &["method.theta=1"],
-        &["method.cfl=0.8"],
-        &["method.theta=1", "method.cfl=0.8"],
-        &["method.cfl=0.8", "large_speed=\"200 m/s\"", "small_speed=\"200 m/s\""],
+        &["method.cfl=0.6"],
+        &["method.theta=1", "method.cfl=0.6"],
+        &["method.cfl=0.6", "large_speed=\"200 m/s\"", "small_speed=\"200 m/s\""],
     ];
     survive_all("drop-collision-impact/hard.toml", variants);
 }
 
 #[test]
 fn water_layers_survive_strong_shocks() {
-    for method in ["method.theta=0.5", "method.theta=0.75", "method.theta=1", "method.cfl=0.8"] {
+    for method in ["method.theta=0.5", "method.theta=0.75", "method.theta=1", "method.cfl=0.6"] {
         survive("impact-shock/hard.toml", &["particle_size=\"20 um\"", method]);
     }
 }
 
 #[test]
 fn a_gas_without_heat_survives_its_way_into_a_point() {
-    for method in ["method.theta=0.5", "method.theta=0.75", "method.theta=1", "method.cfl=0.8"] {
+    for method in ["method.theta=0.5", "method.theta=0.75", "method.theta=1", "method.cfl=0.6"] {
         survive("noh/hard.toml", &[method]);
     }
 }
 
-/// At its own smoothing length and Courant number alone: its page tells what others win.
 #[test]
-fn a_long_spheroid_does_not_win_energy() {
-    survive("free-spheroid/hard.toml", &[]);
+fn a_long_spheroid_wins_next_to_no_energy() {
+    let variants: &[&[&str]] = &[
+        &[],
+        &["particle_size=\"0.07 m\""],
+        &["particle_size=\"0.06 m\""],
+        &["particle_size=\"0.05 m\""],
+        &["method.cfl=0.6"],
+    ];
+    survive_all("free-spheroid/hard.toml", variants);
 }
 
 /// Drops that become one set free a tenth of their surface. A rough surface must not drive itself on after that:
@@ -163,7 +170,7 @@ fn small_drops_merge_at_speed() {
     for size in ["0.115 um", "0.1 um", "0.085 um", "0.067 um"] {
         survive("drop-collision-capillary/hard.toml", &[&format!("particle_size=\"{size}\"")]);
     }
-    for method in ["method.theta=0.6", "method.theta=0.75", "method.theta=1", "method.cfl=0.8"] {
+    for method in ["method.theta=0.6", "method.theta=0.75", "method.theta=1", "method.cfl=0.6"] {
         survive("drop-collision-capillary/hard.toml", &["particle_size=small/7", method]);
     }
 }
@@ -177,7 +184,7 @@ fn a_long_drop_shoots_past_the_sphere_and_comes_back() {
         // Settling rounds it: without, it starts as long as it is.
         &["particle_size=\"90 nm\"", "particles.settle=0"],
         &["particle_size=\"90 nm\"", "method.theta=0.6"],
-        &["particle_size=\"90 nm\"", "method.cfl=0.8"],
+        &["particle_size=\"90 nm\"", "method.cfl=0.6"],
     ];
     survive_all("oscillating-drop/hard.toml", variants);
 }
@@ -191,6 +198,7 @@ fn drops_swing_in_coarse_and_fine_particles() {
         &[coarse, "method.theta=0.6"],
         &[coarse, "method.theta=0.75"],
         &[coarse, "method.theta=1"],
+        &[coarse, "method.cfl=0.6"],
         &[fine, "particles.settle=0", "run.steps=300"],
     ];
     survive_all("oscillating-drop/scene.toml", variants);
@@ -235,7 +243,7 @@ fn a_ring_closes_on_the_axis() {
 
 #[test]
 fn a_disc_draws_back_and_closes_on_the_axis() {
-    survive_all("taylor-culick-film/hard.toml", &[&[], &["method.theta=0.6"], &["method.cfl=0.8"]]);
+    survive_all("taylor-culick-film/hard.toml", &[&[], &["method.theta=0.6"], &["method.cfl=0.6"]]);
 }
 
 /// As a long one that draws back, and as a short one whose rims meet.
@@ -253,7 +261,7 @@ fn a_jet_breaks_up_and_its_drops_stay_whole() {
         &["particle_size=\"66.7 nm\"", "times=18"],
         &["particle_size=\"50 nm\"", "times=18"],
         &["particle_size=\"66.7 nm\"", "times=18", "method.theta=0.6"],
-        &["particle_size=\"66.7 nm\"", "times=18", "method.cfl=0.8"],
+        &["particle_size=\"66.7 nm\"", "times=18", "method.cfl=0.6"],
         &["particle_size=radius/10", "times=24", "ohnesorge=0.1"],
     ];
     survive_all("rayleigh-plateau-jet/scene.toml", variants);
