@@ -5,7 +5,7 @@ mod flux;
 
 use crate::scene::Method;
 use builder::Builder;
-use meniscus_engine::neighbours::Domain;
+use meniscus_engine::domain::Domain;
 use meniscus_engine::pipeline::Pipeline;
 use meniscus_engine::wiring::{Wiring, WiringError};
 use meniscus_stages::colour_field::ColourField;

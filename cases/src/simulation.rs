@@ -10,7 +10,7 @@ use crate::region::Region;
 use crate::scene::{EquationOfState, Scene};
 use crate::shape::Shape;
 use meniscus_engine::clock::Clock;
-use meniscus_engine::neighbours::Domain;
+use meniscus_engine::domain::Domain;
 use meniscus_engine::pipeline::{Cost, Fault, Pipeline, World};
 use meniscus_engine::wiring::WiringError;
 use meniscus_stages::fields;

@@ -4,6 +4,7 @@
 pub mod bins;
 pub mod checkpoint;
 pub mod clock;
+pub mod domain;
 pub mod field;
 pub mod lanes;
 pub mod morton;

@@ -8,6 +8,7 @@
 //! Images (mirrored at the axis, shifted by the period) are numbered after the particles.
 
 use crate::bins::Bins;
+use crate::domain::{Domain, Image};
 use crate::lanes::{Lanes, WIDTH, pack};
 use crate::parallel;
 use crate::store::bytes_of;
@@ -19,63 +20,6 @@ pub const WINDOW: usize = 8 * WIDTH;
 
 /// It pays where it leaves at most this part of a list.
 const EVEN: f64 = 0.96;
-
-/// Where the half plane ends or repeats.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Domain {
-    /// Distance in metres of the coordinates' origin from the axis of symmetry.
-    pub origin: f64,
-    /// Lower end and length in metres of a period in z.
-    pub period: Option<(f64, f64)>,
-}
-
-/// A copy of a particle across the axis or a period.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Image {
-    /// The particle that it copies.
-    pub source: u32,
-    /// Mirrored at the axis: the radius and the radial velocity change their sign.
-    pub mirrored: bool,
-    /// Added to z, in metres.
-    pub shift: f64,
-}
-
-impl Domain {
-    /// Lists the images of all particles that can lie within `reach` metres of a particle.
-    pub fn images(&self, r: &[f64], z: &[f64], reach: f64, images: &mut Vec<Image>) {
-        images.clear();
-        for (source, (&r, &z)) in r.iter().zip(z).enumerate() {
-            let source = source as u32;
-            let near_axis = r + self.origin < reach;
-            if near_axis {
-                images.push(Image { source, mirrored: true, shift: 0.0 });
-            }
-            let Some((bottom, length)) = self.period else {
-                continue;
-            };
-            for (near, shift) in [(z - bottom < reach, length), (bottom + length - z < reach, -length)] {
-                if near {
-                    images.push(Image { source, mirrored: false, shift });
-                    if near_axis {
-                        images.push(Image { source, mirrored: true, shift });
-                    }
-                }
-            }
-        }
-    }
-
-    /// Radial coordinate of a particle's mirror image.
-    #[inline]
-    pub fn mirror(&self, r: f64) -> f64 {
-        -r - 2.0 * self.origin
-    }
-
-    /// Position of an image from that of its particle.
-    #[inline]
-    pub fn place(&self, image: &Image, r: f64, z: f64) -> (f64, f64) {
-        (if image.mirrored { self.mirror(r) } else { r }, z + image.shift)
-    }
-}
 
 /// The neighbours of every particle.
 #[derive(Clone, Debug, Default)]

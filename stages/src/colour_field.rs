@@ -1,8 +1,8 @@
 //! The colour field c = sum_b V_b W_b and its first and second derivatives anywhere in the plane.
 
 use meniscus_engine::bins::Bins;
+use meniscus_engine::domain::{Domain, Image};
 use meniscus_engine::lanes::{Lanes, WIDTH};
-use meniscus_engine::neighbours::{Domain, Image};
 use meniscus_engine::parallel;
 use meniscus_engine::store::bytes_of;
 use std::f64::consts::PI;

@@ -1,8 +1,8 @@
 //! The contour of the surface as a polygon of feet, and what the ghosts' areas lack of its length.
 
 use meniscus_engine::bins::Bins;
+use meniscus_engine::domain::{Domain, Image};
 use meniscus_engine::lanes::{Lanes, WIDTH};
-use meniscus_engine::neighbours::{Domain, Image};
 use meniscus_engine::parallel;
 use meniscus_engine::store::bytes_of;
 

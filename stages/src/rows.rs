@@ -1,8 +1,8 @@
 //! How states become the packed rows of the flux pass, and rows those of images.
 
 use crate::record::{Deformation, Flow};
+use meniscus_engine::domain::{Domain, Image};
 use meniscus_engine::lanes::{COORDINATE, HalfRow, Lanes, Row, RowTable, SingleRow, WIDTH, place};
-use meniscus_engine::neighbours::{Domain, Image};
 
 /// A row that takes up flow states.
 pub trait FirstPart: Send + Sized {

@@ -1,7 +1,7 @@
 //! Boundary particles near a place: the surface as a set of points.
 
 use meniscus_engine::bins::Bins;
-use meniscus_engine::neighbours::{Domain, Image};
+use meniscus_engine::domain::{Domain, Image};
 
 /// Boundary particles and their images, to be searched.
 #[derive(Default)]

@@ -1,7 +1,7 @@
 //! No pair within its support is ever missing in the list, however the particles move.
 
 use meniscus_engine::clock::Clock;
-use meniscus_engine::neighbours::Domain;
+use meniscus_engine::domain::Domain;
 use meniscus_engine::pipeline::{Stage, World};
 use meniscus_engine::wiring::Wiring;
 use meniscus_stages::equation_of_state::Packing;

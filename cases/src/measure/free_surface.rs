@@ -2,7 +2,7 @@
 
 use crate::assemble::Physics;
 use meniscus_engine::bins::Bins;
-use meniscus_engine::neighbours::Domain;
+use meniscus_engine::domain::Domain;
 use meniscus_engine::store::Store;
 use meniscus_stages::fields;
 use meniscus_stages::surface::BOUNDARY;

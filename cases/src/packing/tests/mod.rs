@@ -4,7 +4,7 @@ use super::cells::Cells;
 use super::domain::Domain as PackingDomain;
 use super::{Packing, PackingError, PackingOptions, pack, relax};
 use crate::region::Region;
-use meniscus_engine::neighbours::Domain;
+use meniscus_engine::domain::Domain;
 use meniscus_stages::colour_field::{ColourField, Particles};
 use shapes::{Cylinder, Disc};
 use std::f64::consts::PI;
