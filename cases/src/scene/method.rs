@@ -49,7 +49,7 @@ pub struct Method {
     /// Coefficient of particle shifting, 0 for none; without a choice it is [`SHIFTING`] where there is
     /// surface tension, [`FREE_SHIFTING`] where there is none, and none where the energy equation is solved.
     pub shifting: Option<f64>,
-    /// Courant number, above 0 and at most [`LARGEST_COURANT`].
+    /// Courant number, above 0 and at most 0.6.
     pub cfl: f64,
     /// Precision of the pair sums; mixed only with the default weights.
     pub precision: Precision,
