@@ -83,7 +83,8 @@ impl ColourField {
 
     /// Bytes that the particles take in it.
     pub fn bytes(&self) -> usize {
-        [&self.r, &self.z, &self.area].into_iter().map(bytes_of).sum::<usize>() + self.bins.bytes()
+        let columns = [&self.r, &self.z, &self.area].into_iter().map(bytes_of).sum::<usize>();
+        columns + bytes_of(&self.images) + bytes_of(&self.known) + self.bins.bytes()
     }
 
     /// The field at (r, z) with the given support radius, all in metres.

@@ -12,7 +12,7 @@ use atomic_refcell::AtomicRefMut;
 use meniscus_engine::field::clear;
 use meniscus_engine::parallel;
 use meniscus_engine::pipeline::{Fault, Stage, World};
-use meniscus_engine::store::{Read, Update, Write};
+use meniscus_engine::store::{Read, Update, Write, bytes_of};
 use meniscus_engine::wiring::Wiring;
 use std::sync::{Arc, Mutex};
 
@@ -301,6 +301,11 @@ pub fn capillary_bound(surface_tension: f64, density: f64, length: f64) -> f64 {
 impl Stage for CurvatureColour {
     fn name(&self) -> &'static str {
         "curvature"
+    }
+
+    fn bytes(&self) -> usize {
+        let numbers = bytes_of(&self.boundary) + bytes_of(&self.near_boundary);
+        numbers + bytes_of(&self.found) + bytes_of(&self.slopes) + self.neighbours.bytes()
     }
 
     fn run(&mut self, world: &mut World) -> Result<(), Fault> {

@@ -2,6 +2,7 @@
 
 use meniscus_engine::bins::Bins;
 use meniscus_engine::domain::{Domain, Image};
+use meniscus_engine::store::bytes_of;
 
 /// Boundary particles and their images, to be searched.
 #[derive(Default)]
@@ -28,6 +29,11 @@ impl SurfaceNeighbours {
             self.points[1].push(z);
         }
         self.bins.build(&self.points[0], &self.points[1], reach);
+    }
+
+    /// Bytes that it holds.
+    pub fn bytes(&self) -> usize {
+        self.points.iter().map(bytes_of).sum::<usize>() + bytes_of(&self.images) + self.bins.bytes()
     }
 
     /// Whether a member is an image across the axis.

@@ -86,13 +86,13 @@ fn memory(settings: &[&str]) -> (usize, usize) {
     })
 }
 
-/// A plan leaves out lists of surface particles and what threads keep: a fiftieth here, less in larger runs.
+/// A plan leaves out what threads keep: a hundredth here, less in larger runs.
 fn plans_know_what_is_held() {
     let [double, mixed, _] = [&[][..], &["method.precision=mixed"], &["paper=true"]].map(|settings| {
         let (told, held) = memory(&[&["resolution=60"], settings].concat());
         println!("{settings:?}: {told} bytes are told, {held} are held");
         assert!(
-            (0.97..=1.0).contains(&(told as f64 / held as f64)),
+            (0.98..=1.0).contains(&(told as f64 / held as f64)),
             "{settings:?}: {told} told, {held} held"
         );
         (told, held)
