@@ -151,6 +151,9 @@ fn a_long_spheroid_wins_next_to_no_energy() {
         &["particle_size=\"0.06 m\""],
         &["particle_size=\"0.05 m\""],
         &["method.cfl=0.6"],
+        &["method.theta=0.6"],
+        &["method.theta=0.75"],
+        &["method.theta=1"],
     ];
     survive_all("free-spheroid/hard.toml", variants);
 }

@@ -2,8 +2,8 @@
 
 use super::{Equation, Physics, PlanLine};
 use crate::scene::{
-    AxisTreatment, Curvature, FREE_SHIFTING, Flux, Recoil, ReferencePressure, SHIFTING, Scheme,
-    TimeIntegration,
+    AxisTreatment, Curvature, FREE_SHIFTING, FREE_SHIFTING_THETA, Flux, Recoil, ReferencePressure, SHIFTING,
+    Scheme, TimeIntegration,
 };
 use meniscus_engine::pipeline::Stage;
 use meniscus_engine::wiring::Wiring;
@@ -73,7 +73,10 @@ impl Builder<'_> {
     pub(super) fn shifting(&self) -> f64 {
         self.physics.method.shifting.unwrap_or(match (self.with_tension(), self.with_energy()) {
             (true, _) => SHIFTING,
-            (false, false) => FREE_SHIFTING,
+            (false, false) => {
+                let [full, none] = FREE_SHIFTING_THETA;
+                FREE_SHIFTING * ((none - self.physics.method.theta) / (none - full)).clamp(0.0, 1.0)
+            }
             // It makes a plane shock in water a quarter worse, and costs two thirds more.
             (false, true) => 0.0,
         })
