@@ -10,7 +10,7 @@ use meniscus_engine::wiring::Wiring;
 const RELAXATION: f64 = 0.05;
 
 /// How far a body's pressures may spread: where their variance is a tenth of their mean's square, the reference is
-/// half the mean. (Of .025, .05, .1, .2 and .5 the one with which twelve fast collisions of small drops gain the least.)
+/// half the mean. (Of .025, .05, .1 and .5 the one with which twelve fast collisions of small drops gain the least.)
 const SPREAD: f64 = 0.1;
 
 /// The gauge of method.md, section 10 ("Two drops of different size"): one reference per drop, followed slowly; where

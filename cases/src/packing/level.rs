@@ -13,17 +13,31 @@ use std::f64::consts::PI;
 /// Support radius, in particle sizes, of the kernel that smears particles over some layers.
 const SUPPORT: f64 = 6.0;
 
+/// The continuum outside of the region that [`gap`] asks for.
+pub(super) fn outside(domain: &Domain) -> Vec<Source> {
+    dust(domain, support(domain))
+}
+
+/// One image on either side must cover the kernel.
+fn support(domain: &Domain) -> f64 {
+    domain.period.map_or(SUPPORT, |period| period.min(SUPPORT))
+}
+
 /// How far, in particle sizes, the contour of `points` and `fixed`, each with `area` in squares of a particle
 /// size, lies below the boundary in the mean.
 ///
 /// At the boundary the particles inside and the continuum outside add up to one where both meet there. What they
 /// lack, over the slope that the particles' part has at an edge, is how far one is from the other.
-pub(super) fn gap(domain: &Domain, points: &[Point], fixed: &[Point], area: f64) -> f64 {
-    // One image on either side must cover the kernel.
-    let support = domain.period.map_or(SUPPORT, |period| period.min(SUPPORT));
+pub(super) fn gap(
+    domain: &Domain,
+    (points, fixed): (&[Point], &[Point]),
+    outside: &[Source],
+    area: f64,
+) -> f64 {
+    let support = support(domain);
     let particles = points.iter().chain(fixed);
     let mut sources: Vec<Source> = particles.map(|&point| Source { point, area }).collect();
-    sources.extend(dust(domain, support));
+    sources.extend_from_slice(outside);
     add_images(domain, support, &mut sources);
     let mut cells = Cells::default();
     cells.fill(&sources);

@@ -47,7 +47,8 @@ pub struct Method {
     /// Over which particles the momentum is spread that surface forces would bring in.
     pub momentum_correction: Recoil,
     /// Coefficient of particle shifting, 0 for none; without a choice it is [`SHIFTING`] where there is
-    /// surface tension, [`FREE_SHIFTING`] where there is none, and none where the energy equation is solved.
+    /// surface tension, [`FREE_SHIFTING`] where there is none (less at large smoothing lengths), and none where the
+    /// energy equation is solved.
     pub shifting: Option<f64>,
     /// Courant number, above 0 and at most 0.6.
     pub cfl: f64,
