@@ -2,12 +2,17 @@
 
 use std::collections::BTreeMap;
 
-/// The caller whose calls are the stages of a step.
+/// The caller whose calls are the stages of a step, but for those that work on chunks.
 const STEP: &str = "pipeline::Pipeline::step";
+/// What it calls in between.
+const WORK: &str = "pipeline::Work::run";
 /// How the names of the stages' functions end.
 const RUN: &str = "pipeline::Stage>::run";
+/// The same for stages that work on chunks, which are called from many places.
+const CHUNKS: [&str; 3] =
+    ["group::ChunkStage>::prepare", "group::ChunkStage>::chunk", "group::ChunkStage>::finish"];
 
-/// Instructions of each stage with all that it calls, by the name of its type, from a profile that was written
+/// Instructions of each stage with all that it calls, by the name of its type, from the profile of steps that was written
 /// with `--compress-strings=no --compress-pos=no`.
 ///
 /// ```text
@@ -23,13 +28,15 @@ pub fn stages(profile: &str) -> BTreeMap<String, u64> {
     let mut lines = profile.lines();
     while let Some(line) = lines.next() {
         if let Some(caller) = line.strip_prefix("fn=") {
-            in_step = caller.contains(STEP);
+            in_step = caller.contains(STEP) || caller.contains(WORK);
         } else if let Some(name) = line.strip_prefix("cfn=") {
-            callee = stage(name);
+            callee = stage(name).map(|stage| (stage, CHUNKS.iter().any(|work| name.contains(work))));
         } else if line.starts_with("calls=") {
             let cost =
                 lines.next().and_then(|line| line.split(' ').nth(1)).and_then(|cost| cost.parse().ok());
-            if let (true, Some(stage), Some(cost)) = (in_step, callee, cost) {
+            if let (Some((stage, of_chunks)), Some(cost)) = (callee, cost)
+                && (in_step || of_chunks)
+            {
                 *stages.entry(stage.to_owned()).or_insert(0) += u64::max(cost, 0);
             }
         }
@@ -39,7 +46,8 @@ pub fn stages(profile: &str) -> BTreeMap<String, u64> {
 
 /// The type in `<path::Type<parameters> as path::Stage>::run`, if the function is one.
 fn stage(function: &str) -> Option<&str> {
-    let (path, _) = function.strip_prefix('<')?.split_once(" as ").filter(|_| function.contains(RUN))?;
+    let is_stage = function.contains(RUN) || CHUNKS.iter().any(|work| function.contains(work));
+    let (path, _) = function.strip_prefix('<')?.split_once(" as ").filter(|_| is_stage)?;
     path.split('<').next()?.rsplit("::").next()
 }
 
@@ -64,9 +72,12 @@ calls=2 0
 cfn=std::time::Instant::now
 calls=4 0
 7 44
-cfn=<meniscus_engine::pairs::PairPass<R,I,T> as meniscus_engine::pipeline::Stage>::run
+
+fn=meniscus_engine::group::Group::chunks::{{closure}}
+9 30
+cfn=<meniscus_engine::pairs::PairPass<R,I,T> as meniscus_engine::group::ChunkStage>::chunk
 calls=2 0
-7 5000
+9 5000
 ";
         let expected = [("PairPass", 5000), ("SortBin", 300)].map(|(name, cost)| (name.to_owned(), cost));
         assert_eq!(stages(profile), BTreeMap::from(expected));

@@ -4,6 +4,11 @@ pub mod budget;
 pub mod callgrind;
 pub mod physics;
 
+/// As in the program that is measured.
+#[cfg(unix)]
+#[global_allocator]
+static MEMORY: meniscus_engine::memory::StaggeredMemory = meniscus_engine::memory::StaggeredMemory::new();
+
 use meniscus_cases::scene::{self, Scene};
 use meniscus_cases::simulation::Simulation;
 use rayon::{ThreadPool, ThreadPoolBuilder};

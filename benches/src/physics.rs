@@ -115,19 +115,30 @@ mod tests {
         simulation.costs().iter().map(|cost| cost.stage).collect()
     }
 
-    fn has_column(simulation: &Simulation, name: &str) -> bool {
-        simulation.world.store.by_name::<f64>(name).is_some()
+    fn has_field(simulation: &Simulation, name: &str) -> bool {
+        simulation.world.store.fields().any(|field| field.name == name)
     }
 
     #[test]
-    fn a_scene_has_the_stages_and_columns_of_what_it_models_and_no_others() {
-        // What each variant adds to the one before it: stages, and one of its columns.
-        let bare = ["sort-bin", "equation-of-state", "flux", "integrate"];
+    fn a_scene_has_the_stages_and_fields_of_what_it_models_and_no_others() {
+        // What each variant adds to the one before it: stages, and one of its fields.
+        let bare =
+            ["sort-bin", "state-anew", "flux", "time-step", "integrate", "list-check", "equation-of-state"];
         let added: [(&[&str], &str); 8] = [
             (&bare, "strain_rate"),
             (&["kernel-correction"], "moment_rr"),
             (&["velocity-gradient"], "velocity_sum_rr"),
-            (&["drops", "boundary-detect", "curvature", "ghost-coupling", "correction"], "laplace_pressure"),
+            (
+                &[
+                    "incomplete-support",
+                    "drops",
+                    "boundary-detect",
+                    "curvature",
+                    "ghost-coupling",
+                    "correction",
+                ],
+                "laplace_pressure",
+            ),
             (
                 &["surface-area", "tangential-pressure", "strain-correction", "reference-pressure"],
                 "laplace_slope_r",
@@ -139,7 +150,7 @@ mod tests {
         let variants = scenes(&["resolution=24"]);
         let simulations: Vec<Simulation> = variants[..8].iter().map(|(_, scene)| start(scene)).collect();
         let mut expected = Vec::new();
-        for (k, (new, column)) in added.iter().enumerate() {
+        for (k, (new, field)) in added.iter().enumerate() {
             let name = variants[k].0.name;
             expected.extend(new.iter().copied());
             let mut found = stages(&simulations[k]);
@@ -147,7 +158,7 @@ mod tests {
             expected.sort_unstable();
             assert_eq!(found, expected, "{name}");
             for (j, simulation) in simulations.iter().enumerate() {
-                assert_eq!(has_column(simulation, column), j >= k, "`{column}` in {}", variants[j].0.name);
+                assert_eq!(has_field(simulation, field), j >= k, "`{field}` in {}", variants[j].0.name);
             }
         }
     }

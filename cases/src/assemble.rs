@@ -118,5 +118,6 @@ pub fn assemble(physics: &Physics) -> Result<Assembly, WiringError> {
     builder.wiring.check()?;
     let plan = std::mem::take(&mut builder.plan);
     let start = builder.start();
-    Ok(Assembly { wiring: builder.wiring, pipeline: Pipeline::new(start, stages), plan })
+    let pipeline = Pipeline::new(start, stages, &builder.wiring);
+    Ok(Assembly { wiring: builder.wiring, pipeline, plan })
 }

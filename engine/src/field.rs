@@ -9,6 +9,29 @@ pub enum Role {
     State,
     /// Recomputed in every step before it is read.
     Derived,
+    /// Computed and read by stages that follow each other, and only held for the chunk of particles that they have
+    /// at hand: no column in memory.
+    Transient,
+}
+
+/// A part of a column.
+#[derive(Debug)]
+pub enum Part<'a> {
+    /// Real numbers in SI units.
+    F64(&'a mut [f64]),
+    /// Indices, flags and identities.
+    U32(&'a mut [u32]),
+}
+
+impl<'a> Part<'a> {
+    /// Itself in pieces of `most` values; the last one may have fewer.
+    pub(crate) fn pieces(self, most: usize) -> impl Iterator<Item = Part<'a>> {
+        let (reals, indices) = match self {
+            Part::F64(values) => (values, Default::default()),
+            Part::U32(values) => (Default::default(), values),
+        };
+        reals.chunks_mut(most).map(Part::F64).chain(indices.chunks_mut(most).map(Part::U32))
+    }
 }
 
 /// A type that a column can hold.
@@ -25,23 +48,18 @@ pub trait Element: Copy + Default + Send + Sync + fmt::Debug + 'static {
     fn of_mut(values: &mut Values) -> Option<&mut Vec<Self>>
     where
         Self: Sized;
+    /// The values of a part, if it holds this type.
+    fn of_part<'a>(part: &'a Part<'_>) -> Option<&'a [Self]>
+    where
+        Self: Sized;
+    /// The values of a part, if it holds this type.
+    fn of_part_mut<'a>(part: &'a mut Part<'_>) -> Option<&'a mut [Self]>
+    where
+        Self: Sized;
     /// What an unwritten Derived value is set to, so that reading it shows.
     fn poison() -> Self;
     /// Whether it is what memory holds that was never written.
     fn is_untouched(&self) -> bool;
-}
-
-/// Bytes from which on a column has memory of its own, and how much it asks for then.
-const MAPPED: [usize; 2] = [1 << 20, 33 << 20];
-
-/// A column of zeros. A long one asks for more than the system's allocator ever takes from its heap: it is mapped
-/// by itself, what was never written takes no memory, and all of it goes back at once. On a heap a quarter of the
-/// memory would be holes between columns.
-pub(crate) fn zeros<T: Element>(len: usize) -> Vec<T> {
-    let asked = if len * size_of::<T>() < MAPPED[0] { len } else { len.max(MAPPED[1] / size_of::<T>()) };
-    let mut values = vec![T::default(); asked];
-    values.truncate(len);
-    values
 }
 
 /// Values that are written together or not at all.
@@ -76,6 +94,14 @@ pub enum Values {
 }
 
 impl Values {
+    /// All of them.
+    pub fn whole(&mut self) -> Part<'_> {
+        match self {
+            Values::F64(values) => Part::F64(values),
+            Values::U32(values) => Part::U32(values),
+        }
+    }
+
     /// Number of particles.
     pub fn len(&self) -> usize {
         match self {
@@ -105,6 +131,18 @@ macro_rules! element {
             fn of_mut(values: &mut Values) -> Option<&mut Vec<Self>> {
                 match values {
                     Values::$variant(values) => Some(values),
+                    _ => None,
+                }
+            }
+            fn of_part<'a>(part: &'a Part<'_>) -> Option<&'a [Self]> {
+                match part {
+                    Part::$variant(values) => Some(values),
+                    _ => None,
+                }
+            }
+            fn of_part_mut<'a>(part: &'a mut Part<'_>) -> Option<&'a mut [Self]> {
+                match part {
+                    Part::$variant(values) => Some(values),
                     _ => None,
                 }
             }
@@ -162,6 +200,16 @@ impl<T: Element> Field<T> {
         about: &'static str,
     ) -> Self {
         Self::new(name, symbol, unit, Role::Derived, about)
+    }
+
+    /// A field that only stages hand to each other which follow one another.
+    pub const fn transient(
+        name: &'static str,
+        symbol: &'static str,
+        unit: &'static str,
+        about: &'static str,
+    ) -> Self {
+        Self::new(name, symbol, unit, Role::Transient, about)
     }
 
     const fn new(

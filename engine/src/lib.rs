@@ -6,7 +6,10 @@ pub mod checkpoint;
 pub mod clock;
 pub mod domain;
 pub mod field;
+pub mod group;
 pub mod lanes;
+#[cfg(unix)]
+pub mod memory;
 pub mod morton;
 pub mod neighbours;
 pub mod pairs;

@@ -34,6 +34,8 @@ pub struct NeighbourList {
     /// Memory for the next build, for places and reaches in the order of the cells. It holds nothing in between:
     /// who has other use for it can take it.
     pub scratch: [Vec<f64>; 3],
+    /// Whether the list holds for the particles where they lie now, if somebody has looked.
+    pub still_holds: Option<bool>,
     builds: u64,
 }
 
@@ -251,7 +253,7 @@ fn fill_blocks(
         );
         return;
     }
-    parallel::told(|| fill_chunk(search, (block_start, offset), first..last, entries));
+    parallel::told("", || fill_chunk(search, (block_start, offset), first..last, entries));
 }
 
 /// Fills the entries of a range of particles, which begin at place `offset` of all entries.

@@ -12,12 +12,12 @@
 
 mod terms;
 
+use crate::group::{Around, Chunk, ChunkStage, Partial};
 use crate::lanes::{Lanes, Packed, RowTable, WIDTH};
 use crate::neighbours::NeighbourList;
-use crate::parallel;
-use crate::pipeline::{Fault, PairWork, Stage, World};
+use crate::pipeline::{PairWork, World};
 use arrayvec::ArrayVec;
-use atomic_refcell::AtomicRefMut;
+use std::cell::RefMut;
 use std::marker::PhantomData;
 
 pub use terms::{Columns, Interaction, MOST_OUTPUTS, PairTerm, Powers, Record};
@@ -59,31 +59,30 @@ where
         PairPass { name, interaction, terms, scales, record: PhantomData }
     }
 
-    /// Walks all pairs; `outputs` are the columns of the terms in their order.
+    /// Walks the pairs of the particles from `start` on, a multiple of the SIMD width; `outputs` are the columns of
+    /// the terms in their order, for these particles.
     pub fn traverse(
         &self,
-        list: &NeighbourList,
-        rows: &RowTable,
-        outputs: ArrayVec<Option<&mut [f64]>, MOST_OUTPUTS>,
+        (list, rows): (&NeighbourList, &RowTable),
+        start: usize,
+        mut outputs: ArrayVec<Option<&mut [f64]>, MOST_OUTPUTS>,
     ) {
-        parallel::for_chunks_of(parallel::DEAR_CHUNK, list.len(), outputs, |start, mut outputs| {
-            let len = outputs.iter().flatten().map(|column| column.len()).next().unwrap_or(0);
-            let mut results = [Lanes::<R::Scalar>::ZERO; MOST_OUTPUTS];
-            let width = R::Scalar::BLOCKS * WIDTH;
-            for offset in (0..len).step_by(width) {
-                self.block(list, rows, start + offset, &mut results);
-                let here = offset..len.min(offset + width);
-                let whole = here.len() == width;
-                for ((column, result), scale) in outputs.iter_mut().zip(&results).zip(&self.scales) {
-                    let Some(column) = column else { continue };
-                    if whole {
-                        R::Scalar::store(*result, *scale, &mut column[here.clone()]);
-                    } else {
-                        R::Scalar::store_part(*result, *scale, &mut column[here.clone()]);
-                    }
+        let len = outputs.iter().flatten().map(|column| column.len()).next().unwrap_or(0);
+        let mut results = [Lanes::<R::Scalar>::ZERO; MOST_OUTPUTS];
+        let width = R::Scalar::BLOCKS * WIDTH;
+        for offset in (0..len).step_by(width) {
+            self.block(list, rows, start + offset, &mut results);
+            let here = offset..len.min(offset + width);
+            let whole = here.len() == width;
+            for ((column, result), scale) in outputs.iter_mut().zip(&results).zip(&self.scales) {
+                let Some(column) = column else { continue };
+                if whole {
+                    R::Scalar::store(*result, *scale, &mut column[here.clone()]);
+                } else {
+                    R::Scalar::store_part(*result, *scale, &mut column[here.clone()]);
                 }
             }
-        });
+        }
     }
 
     #[inline(always)]
@@ -140,7 +139,7 @@ pub fn load<R: Record<Scalar: Packed>>(rows: &RowTable, particles: [&[u32; WIDTH
     R::from_slots(R::Scalar::load(rows, particles, R::SECOND))
 }
 
-impl<R, I, T> Stage for PairPass<R, I, T>
+impl<R, I, T> ChunkStage for PairPass<R, I, T>
 where
     R: Record<Scalar: Packed>,
     I: Interaction<R>,
@@ -148,6 +147,10 @@ where
 {
     fn name(&self) -> &'static str {
         self.name
+    }
+
+    fn is_dear(&self) -> bool {
+        true
     }
 
     /// ```text
@@ -167,13 +170,13 @@ where
         PairWork { pairs: pairs as u64, bytes: bytes as u64, operations }
     }
 
-    fn run(&mut self, world: &mut World) -> Result<(), Fault> {
+    fn chunk(&self, around: &Around, chunk: &Chunk) -> Partial {
         let mut handles = Columns::new();
         self.terms.outputs(&mut handles);
-        let mut columns: ArrayVec<Option<AtomicRefMut<[f64]>>, MOST_OUTPUTS> =
-            handles.into_iter().map(|handle| handle.map(|handle| world.store.write(handle))).collect();
+        let mut columns: ArrayVec<Option<RefMut<[f64]>>, MOST_OUTPUTS> =
+            handles.into_iter().map(|handle| handle.map(|handle| chunk.write(handle))).collect();
         let outputs = columns.iter_mut().map(|column| column.as_deref_mut()).collect();
-        self.traverse(&world.neighbours, &world.rows, outputs);
-        Ok(())
+        self.traverse((around.neighbours, around.rows), chunk.start, outputs);
+        [0.0; 2]
     }
 }

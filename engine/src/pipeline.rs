@@ -1,9 +1,11 @@
 //! The pipeline: stages in an explicit order, and the runner that owns spans, costs and checks.
 
 use crate::clock::Clock;
+use crate::group::{ChunkStage, Group};
 use crate::lanes::RowTable;
 use crate::neighbours::NeighbourList;
 use crate::store::Store;
+use crate::wiring::Wiring;
 use bumpalo::Bump;
 use std::ops::AddAssign;
 use std::time::{Duration, Instant};
@@ -41,7 +43,8 @@ impl World {
     }
 }
 
-/// One stage of a step. It states its handles when it is constructed and touches nothing else.
+/// One stage of a step that looks at all particles at once. It states its handles when it is constructed and touches
+/// nothing else.
 pub trait Stage: Send {
     /// The name under which its cost is reported.
     fn name(&self) -> &'static str;
@@ -55,11 +58,6 @@ pub trait Stage: Send {
     /// Bytes that the stage keeps for itself, where it keeps something of every particle.
     fn bytes(&self) -> usize {
         0
-    }
-
-    /// What one run evaluates and moves, where the stage is a pair pass; must cost nothing to tell.
-    fn pair_work(&self, _world: &World) -> PairWork {
-        PairWork::default()
     }
 }
 
@@ -117,29 +115,120 @@ pub struct Cost {
     pub pair_work: PairWork,
 }
 
+/// A stage, by the way it works.
+pub enum AnyStage {
+    /// On all particles at once.
+    Whole(Box<dyn Stage>),
+    /// On chunks of particles.
+    Chunks(Box<dyn ChunkStage>),
+}
+
+impl AnyStage {
+    /// A stage that works on all particles at once.
+    pub fn whole(stage: impl Stage + 'static) -> Self {
+        AnyStage::Whole(Box::new(stage))
+    }
+
+    /// A stage that works on chunks of particles.
+    pub fn chunks(stage: impl ChunkStage + 'static) -> Self {
+        AnyStage::Chunks(Box::new(stage))
+    }
+}
+
+/// What runs at a time: a stage, or all that take the same chunks in turn.
+enum Work {
+    Stage(Box<dyn Stage>),
+    Group(Group),
+}
+
+impl Work {
+    /// Stages that work on chunks and follow each other make one group; one that writes rows ends it, for they can be
+    /// read only when all are written.
+    fn of(stages: Vec<AnyStage>, wiring: &Wiring) -> Vec<Work> {
+        let mut works = Vec::new();
+        let mut group: Vec<Box<dyn ChunkStage>> = Vec::new();
+        for stage in stages {
+            let ends = match &stage {
+                AnyStage::Chunks(stage) => stage.packs_rows(),
+                AnyStage::Whole(_) => true,
+            };
+            let whole = match stage {
+                AnyStage::Chunks(stage) => {
+                    group.push(stage);
+                    None
+                }
+                AnyStage::Whole(stage) => Some(stage),
+            };
+            if ends && !group.is_empty() {
+                works.push(Work::Group(Group::new(std::mem::take(&mut group), wiring)));
+            }
+            works.extend(whole.map(Work::Stage));
+        }
+        if !group.is_empty() {
+            works.push(Work::Group(Group::new(group, wiring)));
+        }
+        works
+    }
+
+    fn names(&self) -> Vec<&'static str> {
+        match self {
+            Work::Stage(stage) => vec![stage.name()],
+            Work::Group(group) => group.stages().map(|stage| stage.name()).collect(),
+        }
+    }
+
+    fn name(&self) -> &str {
+        match self {
+            Work::Stage(stage) => stage.name(),
+            Work::Group(group) => &group.name,
+        }
+    }
+
+    /// Runs it; `costs` are those of its stages.
+    fn run(&mut self, world: &mut World, costs: &mut [Cost]) -> Result<(), Fault> {
+        match self {
+            Work::Group(group) => group.run(world, costs),
+            Work::Stage(stage) => {
+                let _span = tracing::info_span!("stage", name = stage.name()).entered();
+                let start = Instant::now();
+                stage.run(world)?;
+                costs[0].time += start.elapsed();
+                costs[0].calls += 1;
+                Ok(())
+            }
+        }
+    }
+}
+
+impl Cost {
+    fn of(stage: &'static str) -> Self {
+        Cost { stage, calls: 0, time: Duration::ZERO, pair_work: PairWork::default() }
+    }
+}
+
 /// The stages of a step, in their order.
 pub struct Pipeline {
-    start: Vec<Box<dyn Stage>>,
-    stages: Vec<Box<dyn Stage>>,
+    start: Vec<Work>,
+    works: Vec<Work>,
     costs: Vec<Cost>,
 }
 
 impl Pipeline {
-    /// A pipeline that runs `start` once before the first step of a new run, then `stages` every step.
-    pub fn new(start: Vec<Box<dyn Stage>>, stages: Vec<Box<dyn Stage>>) -> Self {
-        let cost = |stage: &dyn Stage| Cost {
-            stage: stage.name(),
-            calls: 0,
-            time: Duration::ZERO,
-            pair_work: PairWork::default(),
-        };
-        let costs = stages.iter().map(|stage| cost(stage.as_ref())).collect();
-        Pipeline { start, stages, costs }
+    /// A pipeline that runs `start` once before the first step of a new run, then `stages` every step. The wiring has
+    /// given the stages their handles.
+    pub fn new(start: Vec<AnyStage>, stages: Vec<AnyStage>, wiring: &Wiring) -> Self {
+        let [start, works] = [start, stages].map(|stages| Work::of(stages, wiring));
+        let costs = works.iter().flat_map(Work::names).map(Cost::of).collect();
+        Pipeline { start, works, costs }
     }
 
     /// Bytes that the stages of a step keep for themselves.
     pub fn bytes(&self) -> usize {
-        self.stages.iter().map(|stage| stage.bytes()).sum()
+        let bytes = |work: &Work| match work {
+            Work::Stage(stage) => stage.bytes(),
+            Work::Group(group) => group.bytes(),
+        };
+        self.works.iter().map(bytes).sum()
     }
 
     /// The cost of every stage, in their order.
@@ -152,10 +241,12 @@ impl Pipeline {
     /// # Errors
     /// The first fault.
     pub fn begin(&mut self, world: &mut World) -> Result<(), Fault> {
-        for mut stage in self.start.drain(..) {
-            let _span = tracing::info_span!("start", stage = stage.name()).entered();
-            stage.run(world)?;
+        for mut work in self.start.drain(..) {
+            let _span = tracing::info_span!("start", stage = work.name()).entered();
+            let mut costs: Vec<Cost> = work.names().into_iter().map(Cost::of).collect();
+            work.run(world, &mut costs)?;
         }
+        world.rows.are_current = false;
         Ok(())
     }
 
@@ -164,8 +255,9 @@ impl Pipeline {
     /// # Errors
     /// The stage's fault.
     pub fn run_stage(&mut self, name: &str, world: &mut World) -> Result<bool, Fault> {
-        match self.stages.iter_mut().find(|stage| stage.name() == name) {
-            Some(stage) => stage.run(world).map(|()| true),
+        match self.works.iter_mut().find(|work| work.names().contains(&name)) {
+            Some(Work::Stage(stage)) => stage.run(world).map(|()| true),
+            Some(Work::Group(group)) => group.run_one(name, world).map(|()| true),
             None => Ok(false),
         }
     }
@@ -180,13 +272,15 @@ impl Pipeline {
         }
         world.arena.reset();
         let _span = tracing::info_span!("step", number = world.clock.step).entered();
-        for (stage, cost) in self.stages.iter_mut().zip(&mut self.costs) {
-            let _span = tracing::info_span!("stage", name = stage.name()).entered();
-            let start = Instant::now();
-            stage.run(world)?;
-            cost.time += start.elapsed();
-            cost.calls += 1;
-            cost.pair_work += stage.pair_work(world);
+        let mut costs = &mut self.costs[..];
+        for work in &mut self.works {
+            let count = match work {
+                Work::Stage(_) => 1,
+                Work::Group(group) => group.stages().count(),
+            };
+            let (own, others) = costs.split_at_mut(count);
+            work.run(world, own)?;
+            costs = others;
         }
         world.clock.advance();
         Ok(())

@@ -1,6 +1,7 @@
 //! Particles as columns: one contiguous array per field.
 
 use crate::field::{Description, Element, Role, Values, clear, copy};
+use arrayvec::ArrayVec;
 use atomic_refcell::{AtomicRef, AtomicRefCell, AtomicRefMut};
 use std::marker::PhantomData;
 
@@ -8,6 +9,9 @@ use std::marker::PhantomData;
 #[derive(Debug)]
 pub struct Store {
     len: usize,
+    /// Whether somebody has set columns who is no stage.
+    is_changed: bool,
+    keeps_transients: bool,
     columns: Vec<(Description, AtomicRefCell<Values>)>,
 }
 
@@ -59,7 +63,7 @@ mutable!(Add);
 impl Store {
     pub(crate) fn new(len: usize, columns: Vec<(Description, Values)>) -> Self {
         let columns = columns.into_iter().map(|(d, v)| (d, AtomicRefCell::new(v))).collect();
-        Store { len, columns }
+        Store { len, is_changed: true, keeps_transients: false, columns }
     }
 
     /// Number of particles.
@@ -96,20 +100,63 @@ impl Store {
         AtomicRef::map(column, |values| T::of(values).expect("handles carry the column's type").as_slice())
     }
 
+    /// Some columns by their places, to be cut into chunks.
+    ///
+    /// # Panics
+    /// If one of them is asked for twice.
+    pub(crate) fn lock<const N: usize>(
+        &self,
+        places: impl Iterator<Item = usize>,
+    ) -> ArrayVec<AtomicRefMut<'_, Values>, N> {
+        places.map(|place| self.columns[place].1.borrow_mut()).collect()
+    }
+
+    /// Gives Transient fields columns, too, from now on, to look at what stages hand to each other.
+    pub fn keep_transients(&mut self) {
+        let transient =
+            self.columns.iter_mut().filter(|(description, _)| description.role == Role::Transient);
+        for (_, column) in transient {
+            match column.get_mut() {
+                Values::F64(values) => values.resize(self.len, 0.0),
+                Values::U32(values) => values.resize(self.len, 0),
+            }
+        }
+        self.keeps_transients = true;
+    }
+
+    /// Whether Transient fields have columns.
+    pub(crate) fn keeps_transients(&self) -> bool {
+        self.keeps_transients
+    }
+
     /// A column by name, if this store has it and it holds type `T`: for diagnostics and export.
     pub fn by_name<T: Element>(&self, name: &str) -> Option<AtomicRef<'_, [T]>> {
-        let column = self.columns.iter().find(|(d, _)| d.name == name)?;
+        let has_values = |d: &Description| d.role != Role::Transient || self.keeps_transients;
+        let column = self.columns.iter().find(|(d, _)| d.name == name && has_values(d))?;
         AtomicRef::filter_map(column.1.borrow(), |v| T::of(v).map(Vec::as_slice))
+    }
+
+    /// Whether columns were set by somebody who is no stage since [`Store::forget_changes`]: what stages keep about
+    /// them outside of the store doesn't hold then.
+    pub fn is_changed(&self) -> bool {
+        self.is_changed
+    }
+
+    /// Whatever stages keep about the columns has been made anew.
+    pub fn forget_changes(&mut self) {
+        self.is_changed = false;
     }
 
     /// A column by name, to change; `None` as for [`Store::by_name`].
     pub fn by_name_mut<T: Element>(&mut self, name: &str) -> Option<&mut [T]> {
+        self.is_changed = true;
         let (_, column) = self.columns.iter_mut().find(|(d, _)| d.name == name)?;
         T::of_mut(column.get_mut()).map(Vec::as_mut_slice)
     }
 
     /// Sets a column by name before a run; false if there is none of that name, type and length.
     pub fn set<T: Element>(&mut self, name: &str, values: &[T]) -> bool {
+        self.is_changed = true;
         let Some((_, column)) = self.columns.iter_mut().find(|(d, _)| d.name == name) else {
             return false;
         };
@@ -122,9 +169,15 @@ impl Store {
         }
     }
 
+    /// Every field that some stage uses, with a column or without.
+    pub fn fields(&self) -> impl Iterator<Item = Description> {
+        self.columns.iter().map(|(description, _)| *description)
+    }
+
     /// Every column with its description, in the order of first use.
     pub fn columns(&self) -> impl Iterator<Item = (Description, AtomicRef<'_, Values>)> {
-        self.columns.iter().map(|(description, values)| (*description, values.borrow()))
+        let kept = self.columns.iter().filter(|(description, _)| description.role != Role::Transient);
+        kept.map(|(description, values)| (*description, values.borrow()))
     }
 
     /// Bytes that the columns take.
@@ -139,6 +192,7 @@ impl Store {
 
     /// Takes over the State columns that both have, and leaves zeros.
     pub fn adopt(&mut self, other: &mut Store) {
+        self.is_changed = true;
         for (description, column) in &mut self.columns {
             let both = other.columns.iter_mut().find(|(theirs, _)| theirs == description);
             let both = both.filter(|_| description.role == Role::State && self.len == other.len);
@@ -166,7 +220,11 @@ impl Store {
         with_derived: bool,
         look: impl FnOnce(Vec<(Description, Values)>) -> (R, Vec<Values>),
     ) -> R {
-        let wanted = |(d, _): &&(Description, AtomicRefCell<Values>)| with_derived || d.role == Role::State;
+        let wanted = |(d, _): &&(Description, AtomicRefCell<Values>)| match d.role {
+            Role::State => true,
+            Role::Derived => with_derived,
+            Role::Transient => false,
+        };
         let mut wanted: Vec<_> = self.columns.iter().filter(wanted).collect();
         wanted.sort_by_key(|(description, _)| description.role == Role::Derived);
         let take = |column: &AtomicRefCell<Values>| {
@@ -182,12 +240,13 @@ impl Store {
     /// Moves every State value to its new place: particle `order[k]` becomes particle k. The memory of Derived
     /// columns serves as scratch.
     pub fn permute(&mut self, order: &[u32]) {
+        self.is_changed = true;
         let mut reals = [Vec::new()];
         self.swap_derived(&mut reals);
         reals[0].resize(self.len, 0.0);
         let mut indices = vec![0; self.len];
         for (description, column) in &mut self.columns {
-            if description.role == Role::Derived {
+            if description.role != Role::State {
                 continue;
             }
             match column.get_mut() {
@@ -200,6 +259,7 @@ impl Store {
 
     /// Fills every Derived column with a value that shows when it is read before it is written.
     pub fn poison_derived(&mut self) {
+        self.is_changed = true;
         for (description, column) in &mut self.columns {
             if description.role == Role::Derived {
                 match column.get_mut() {

@@ -1,7 +1,7 @@
 //! Who touches which field: the wiring gives stages their handles, checks order and access, and is the
 //! one list from which storage follows.
 
-use crate::field::{Description, Element, Field, Role, Values, zeros};
+use crate::field::{Description, Element, Field, Role, Values};
 use crate::store::{Add, Read, Store, Update, Write};
 use std::marker::PhantomData;
 
@@ -39,6 +39,8 @@ struct Entry {
 pub struct Wiring {
     entries: Vec<Entry>,
     uses: Vec<Use>,
+    /// Stages that do again what others did.
+    repeats: Vec<[&'static str; 2]>,
     stage: &'static str,
 }
 
@@ -59,6 +61,11 @@ impl Wiring {
     /// From now on, handles are given to the stage of this name.
     pub fn stage(&mut self, name: &'static str) {
         self.stage = name;
+    }
+
+    /// Says that a later stage does again what an earlier one did, with the same handles.
+    pub fn repeat(&mut self, earlier: &'static str, later: &'static str) {
+        self.repeats.push([earlier, later]);
     }
 
     /// The right to read a field. A Derived field must have been written by an earlier stage.
@@ -86,7 +93,7 @@ impl Wiring {
         self.uses.push(Use { stage: self.stage, field: description, access });
         let known = self.entries.iter().position(|e| e.description.name == description.name);
         known.unwrap_or_else(|| {
-            let allocate = |len| T::into_values(zeros(len));
+            let allocate = |len| T::into_values(vec![T::default(); len]);
             self.entries.push(Entry { description, allocate });
             self.entries.len() - 1
         })
@@ -97,14 +104,14 @@ impl Wiring {
         &self.uses
     }
 
-    /// Checks that every Derived field is written before it is read, that nothing written is
+    /// Checks that every Derived and Transient field is written before it is read, that nothing written is
     /// overwritten unread, and that nothing is computed that nobody reads.
     ///
     /// # Errors
     /// One sentence per mistake.
     pub fn check(&self) -> Result<(), WiringError> {
         let mut sentences = Vec::new();
-        for entry in self.entries.iter().filter(|e| e.description.role == Role::Derived) {
+        for entry in self.entries.iter().filter(|e| e.description.role != Role::State) {
             self.check_derived(entry.description.name, &mut sentences);
         }
         if sentences.is_empty() { Ok(()) } else { Err(WiringError { sentences }) }
@@ -154,10 +161,30 @@ impl Wiring {
         )
     }
 
-    /// A store with exactly the columns that the stages asked for, all zero.
+    /// Places and fields of the columns that any of the named stages uses.
+    pub(crate) fn columns_of(&self, stages: &[&'static str]) -> Vec<(usize, Description)> {
+        let repeated = self.repeats.iter().filter(|[_, later]| stages.contains(later));
+        let stages: Vec<&str> = stages.iter().copied().chain(repeated.map(|[earlier, _]| *earlier)).collect();
+        let used = |entry: &Entry| {
+            let name = entry.description.name;
+            self.uses.iter().any(|used| used.field.name == name && stages.contains(&used.stage))
+        };
+        let entries = self.entries.iter().enumerate().filter(|(_, entry)| used(entry));
+        entries.map(|(place, entry)| (place, entry.description)).collect()
+    }
+
+    /// Number of columns.
+    pub(crate) fn count(&self) -> usize {
+        self.entries.len()
+    }
+
+    /// A store with exactly the columns that the stages asked for, all zero; Transient ones are empty.
     pub fn allocate(&self, len: usize) -> Store {
-        let columns = self.entries.iter().map(|e| (e.description, (e.allocate)(len))).collect();
-        Store::new(len, columns)
+        let allocate = |entry: &Entry| match entry.description.role {
+            Role::Transient => (entry.description, (entry.allocate)(0)),
+            _ => (entry.description, (entry.allocate)(len)),
+        };
+        Store::new(len, self.entries.iter().map(allocate).collect())
     }
 }
 

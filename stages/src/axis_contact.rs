@@ -3,8 +3,7 @@
 use crate::contact::KERNEL;
 use crate::equation_of_state::Packing;
 use crate::fields;
-use meniscus_engine::parallel;
-use meniscus_engine::pipeline::{Fault, Stage, World};
+use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
 use meniscus_engine::store::{Add, Read};
 use meniscus_engine::wiring::Wiring;
 
@@ -41,31 +40,27 @@ impl AxisContact {
     }
 }
 
-impl Stage for AxisContact {
+impl ChunkStage for AxisContact {
     fn name(&self) -> &'static str {
         "axis-contact"
     }
 
-    fn run(&mut self, world: &mut World) -> Result<(), Fault> {
-        let store = &world.store;
-        let (radius, velocity) = (store.read(self.radius), store.read(self.velocity));
-        let (density, size) = (store.read(self.density), store.read(self.size));
-        let sound_speed = store.read(self.sound_speed);
-        let mut dissipation = store.write(self.dissipation);
+    fn chunk(&self, _: &Around, chunk: &Chunk) -> Partial {
+        let (radius, velocity) = (chunk.read(self.radius), chunk.read(self.velocity));
+        let (density, size) = (chunk.read(self.density), chunk.read(self.size));
+        let sound_speed = chunk.read(self.sound_speed);
+        let mut dissipation = chunk.write(self.dissipation);
         let Packing { theta, largest_size, .. } = self.packing;
-        parallel::for_chunks(radius.len(), &mut dissipation[..], |start, dissipation| {
-            for (k, dissipation) in dissipation.iter_mut().enumerate() {
-                let i = start + k;
-                let support = 4.0 * theta * size[i].min(largest_size);
-                let (distance, closing) = (2.0 * radius[i], -velocity[i]);
-                if distance < support && closing > 0.0 {
-                    let inside = 1.0 - distance / support;
-                    let kernel = KERNEL * inside.powi(3) / support.powi(4);
-                    let excess = density[i] * (sound_speed[i] + self.slope * closing) * closing;
-                    *dissipation += 2.0 * size[i] * size[i] * kernel * distance * excess;
-                }
+        for (i, dissipation) in dissipation.iter_mut().enumerate() {
+            let support = 4.0 * theta * size[i].min(largest_size);
+            let (distance, closing) = (2.0 * radius[i], -velocity[i]);
+            if distance < support && closing > 0.0 {
+                let inside = 1.0 - distance / support;
+                let kernel = KERNEL * inside.powi(3) / support.powi(4);
+                let excess = density[i] * (sound_speed[i] + self.slope * closing) * closing;
+                *dissipation += 2.0 * size[i] * size[i] * kernel * distance * excess;
             }
-        });
-        Ok(())
+        }
+        [0.0; 2]
     }
 }

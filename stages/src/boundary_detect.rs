@@ -7,7 +7,7 @@ use crate::moment::Moment;
 use crate::sort_bin::WIDEST_SKIN;
 use crate::surface::{BOUNDARY, INSIDE, NEAR_BOUNDARY};
 use crate::surface_interval::is_due;
-use meniscus_engine::lanes::WIDTH;
+use meniscus_engine::lanes::{Lanes, WIDTH};
 use meniscus_engine::parallel;
 use meniscus_engine::pipeline::{Fault, Stage, World};
 use meniscus_engine::store::{Read, Write};
@@ -47,7 +47,7 @@ pub struct BoundaryDetect {
     position: [Read<f64>; 2],
     listed: [Read<f64>; 2],
     size: Read<f64>,
-    moment: [Read<f64>; 3],
+    lack: [Read<f64>; 3],
     offset: Option<[Read<f64>; 2]>,
     surface: Write<u32>,
     candidates: Vec<u32>,
@@ -60,7 +60,7 @@ impl BoundaryDetect {
     /// support of a pair.
     pub fn new(wiring: &mut Wiring, packing: Packing, interval: u64, guard: Option<ColourGuard>) -> Self {
         wiring.stage("boundary-detect");
-        let moment = [&fields::MOMENT_RR, &fields::MOMENT_RZ, &fields::MOMENT_ZZ];
+        let lack = [&fields::SUPPORT_LACK_RR, &fields::SUPPORT_LACK_RZ, &fields::SUPPORT_LACK_ZZ];
         let offset = [&fields::SURFACE_OFFSET_R, &fields::SURFACE_OFFSET_Z];
         let with_offset = guard.as_ref().is_some_and(|guard| guard.with_offset);
         BoundaryDetect {
@@ -70,7 +70,7 @@ impl BoundaryDetect {
             position: [wiring.read(&fields::RADIUS), wiring.read(&fields::AXIAL)],
             listed: [wiring.read(&fields::LIST_RADIUS), wiring.read(&fields::LIST_AXIAL)],
             size: wiring.read(&fields::SIZE),
-            moment: moment.map(|field| wiring.read(field)),
+            lack: lack.map(|field| wiring.read(field)),
             offset: with_offset.then(|| offset.map(|field| wiring.read(field))),
             surface: wiring.write(&fields::SURFACE),
             candidates: Vec::new(),
@@ -80,15 +80,17 @@ impl BoundaryDetect {
     }
 
     fn find_candidates(&mut self, world: &World) {
-        let [rr, rz, zz] = self.moment.map(|field| world.store.read(field));
+        let [rr, rz, zz] = self.lack.map(|field| world.store.read(field));
         self.candidates.clear();
         for first in (0..rr.len()).step_by(WIDTH) {
             let eight = first..rr.len().min(first + WIDTH);
-            // Most are no candidates: eight of them are tested at once.
-            let is_candidate =
-                |i: usize| !Moment { rr: rr[i], rz: rz[i], zz: zz[i] }.eigenvalues_at_least(EIGENVALUE);
-            if eight.clone().fold(false, |any, i| any | is_candidate(i)) {
-                self.candidates.extend(eight.filter(|&i| is_candidate(i)).map(|i| i as u32));
+            let load = |column: &[f64]| Lanes::load_or(&column[eight.clone()], 0.0);
+            let lack = load(&rr).abs() + load(&rz).abs() + load(&zz).abs();
+            // Most lack nothing: eight of them are tested at once.
+            if lack.less_bits(Lanes::splat(f64::MIN_POSITIVE)) != 0xff {
+                let is_candidate =
+                    |i: &usize| !Moment::of_lack([rr[*i], rz[*i], zz[*i]]).eigenvalues_at_least(EIGENVALUE);
+                self.candidates.extend(eight.filter(is_candidate).map(|i| i as u32));
             }
         }
     }

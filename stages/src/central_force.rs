@@ -1,8 +1,7 @@
 //! A central force: every particle is drawn to a point on the axis.
 
 use crate::fields;
-use meniscus_engine::parallel;
-use meniscus_engine::pipeline::{Fault, Stage, World};
+use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
 use meniscus_engine::store::{Add, Read};
 use meniscus_engine::wiring::Wiring;
 
@@ -30,23 +29,19 @@ impl CentralForce {
     }
 }
 
-impl Stage for CentralForce {
+impl ChunkStage for CentralForce {
     fn name(&self) -> &'static str {
         "central-force"
     }
 
-    fn run(&mut self, world: &mut World) -> Result<(), Fault> {
-        let store = &world.store;
-        let [r, z] = self.position.map(|field| store.read(field));
-        let density = store.read(self.density);
-        let [mut force_r, mut force_z] = self.force.map(|field| store.write(field));
-        let columns = ((&r[..], &z[..], &density[..]), (&mut force_r[..], &mut force_z[..]));
-        parallel::for_chunks(r.len(), columns, |_, ((r, z, density), (force_r, force_z))| {
-            for k in 0..r.len() {
-                force_r[k] -= density[k] * self.stiffness * (r[k] + self.origin);
-                force_z[k] -= density[k] * self.stiffness * z[k];
-            }
-        });
-        Ok(())
+    fn chunk(&self, _: &Around, chunk: &Chunk) -> Partial {
+        let [r, z] = self.position.map(|field| chunk.read(field));
+        let density = chunk.read(self.density);
+        let [mut force_r, mut force_z] = self.force.map(|field| chunk.write(field));
+        for k in 0..chunk.len() {
+            force_r[k] -= density[k] * self.stiffness * (r[k] + self.origin);
+            force_z[k] -= density[k] * self.stiffness * z[k];
+        }
+        [0.0; 2]
     }
 }

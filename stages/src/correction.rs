@@ -3,8 +3,9 @@
 use crate::drops::count;
 use crate::fields;
 use crate::surface::for_surface;
+use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
 use meniscus_engine::parallel;
-use meniscus_engine::pipeline::{Fault, Stage, World};
+use meniscus_engine::pipeline::{Fault, World};
 use meniscus_engine::store::{Add, Read};
 use meniscus_engine::wiring::Wiring;
 
@@ -29,6 +30,10 @@ pub struct MomentumCorrection {
     surface: Read<u32>,
     surface_force: [Read<f64>; 2],
     force: [Add<f64>; 2],
+    /// F_z/m of each drop, m/s2; of the whole alone if there is one or they are not told apart; none without recoil.
+    recoils: Vec<f64>,
+    /// The whole mass in kg, summed in the order that particles have had since the list of that number was built.
+    whole: (u64, f64),
 }
 
 impl MomentumCorrection {
@@ -44,67 +49,73 @@ impl MomentumCorrection {
             surface: wiring.read(&fields::SURFACE),
             surface_force: surface_force.map(|field| wiring.read(field)),
             force: [wiring.add(&fields::FORCE_R), wiring.add(&fields::FORCE_Z)],
+            recoils: Vec::new(),
+            whole: (0, 0.0),
         }
     }
 }
 
-impl Stage for MomentumCorrection {
+impl ChunkStage for MomentumCorrection {
     fn name(&self) -> &'static str {
         "correction"
     }
 
-    fn run(&mut self, world: &mut World) -> Result<(), Fault> {
+    fn prepare(&mut self, world: &mut World) -> Result<(), Fault> {
+        self.recoils.clear();
+        if self.recoil == Recoil::None {
+            return Ok(());
+        }
         let store = &world.store;
         let (mass, density) = (store.read(self.mass), store.read(self.density));
-        let surface = store.read(self.surface);
-        let [surface_r, surface_z] = self.surface_force.map(|field| store.read(field));
-        let [mut force_r, mut force_z] = self.force.map(|field| store.write(field));
-        let (mass, density, surface) = (&mass[..], &density[..], &surface[..]);
-        let (surface_r, surface_z) = (&surface_r[..], &surface_z[..]);
-        parallel::for_chunks(
-            mass.len(),
-            (&mut force_r[..], &mut force_z[..]),
-            |start, (force_r, force_z)| {
-                for_surface(&surface[start..start + force_r.len()], |k| {
-                    force_r[k] += surface_r[start + k];
-                    force_z[k] += surface_z[start + k];
-                });
-            },
-        );
+        let (surface, surface_z) = (store.read(self.surface), store.read(self.surface_force[1]));
+        let force = |i: usize| mass[i] / density[i] * surface_z[i];
         let drop = self.drop.map(|drop| store.read(drop));
         let drops = drop.as_deref().map_or(1, count);
         if let Some(drop) = drop.as_deref().filter(|_| drops > 1) {
             // Of each drop: mass and force.
             let sums = world.arena.alloc_slice_fill_copy(drops, [0.0f64; 2]);
-            for (&number, mass) in drop.iter().zip(mass) {
+            for (&number, mass) in drop.iter().zip(&*mass) {
                 sums[number as usize][0] += mass;
             }
-            for_surface(surface, |i| sums[drop[i] as usize][1] += mass[i] / density[i] * surface_z[i]);
-            let sums = &*sums;
-            parallel::for_chunks(mass.len(), &mut force_z[..], |start, force_z| {
-                for (k, force_z) in force_z.iter_mut().enumerate() {
-                    let [mass, force] = sums[drop[start + k] as usize];
-                    *force_z -= density[start + k] * (force / mass);
-                }
-            });
-        } else if self.recoil != Recoil::None {
-            let whole = parallel::sum_of(mass);
+            for_surface(&surface, |i| sums[drop[i] as usize][1] += force(i));
+            self.recoils.extend(sums.iter().map(|[mass, force]| force / mass));
+        } else {
             let body = |start: usize, (), len: usize| {
-                let mut force = 0.0;
-                for_surface(&surface[start..start + len], |k| {
-                    let i = start + k;
-                    force += mass[i] / density[i] * surface_z[i];
-                });
-                force
+                let mut sum = 0.0;
+                for_surface(&surface[start..start + len], |k| sum += force(start + k));
+                sum
             };
-            let force = parallel::fold_chunks(mass.len(), (), &body, &|a, b| a + b);
-            let acceleration = force / whole;
-            parallel::for_chunks(mass.len(), (&mut force_z[..], density), |_, (force_z, density)| {
-                for (force_z, density) in force_z.iter_mut().zip(density) {
-                    *force_z -= density * acceleration;
-                }
-            });
+            let sum = parallel::fold_chunks(mass.len(), (), &body, &|a, b| a + b);
+            let builds = world.neighbours.builds();
+            if self.whole.0 != builds {
+                self.whole = (builds, parallel::sum_of(&mass));
+            }
+            self.recoils.push(sum / self.whole.1);
         }
         Ok(())
+    }
+
+    fn chunk(&self, _: &Around, chunk: &Chunk) -> Partial {
+        let surface_force = self.surface_force.map(|field| chunk.read(field));
+        let mut force = self.force.map(|field| chunk.write(field));
+        for_surface(&chunk.read(self.surface), |k| {
+            for (force, surface_force) in force.iter_mut().zip(&surface_force) {
+                force[k] += surface_force[k];
+            }
+        });
+        let (density, [_, force_z]) = (chunk.read(self.density), &mut force);
+        let forces = force_z.iter_mut().zip(&*density);
+        match (&self.recoils[..], self.drop) {
+            ([], _) => {}
+            ([recoil], _) => forces.for_each(|(force, density)| *force -= density * recoil),
+            (recoils, drop) => {
+                let drop = drop.map(|drop| chunk.read(drop));
+                let drop = drop.as_deref().unwrap_or_default();
+                forces
+                    .zip(drop)
+                    .for_each(|((force, density), drop)| *force -= density * recoils[*drop as usize]);
+            }
+        }
+        [0.0; 2]
     }
 }

@@ -5,9 +5,10 @@ use crate::liquids::EquationOfState;
 use crate::record::{Deformation, Flow, Precision};
 use crate::rows::{FirstPart, SecondPart, image_of_first, image_of_second, image_of_single};
 use meniscus_engine::domain::Domain;
+use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
 use meniscus_engine::lanes::{HalfRow, Lanes, Row, SingleRow, WIDTH};
 use meniscus_engine::parallel;
-use meniscus_engine::pipeline::{Fault, Stage, World};
+use meniscus_engine::pipeline::{Fault, World};
 use meniscus_engine::store::{Read, Write};
 use meniscus_engine::wiring::Wiring;
 use std::f64::consts::PI;
@@ -58,6 +59,7 @@ pub enum Second {
 }
 
 /// The fields of the second row.
+#[derive(Clone)]
 enum SecondRow {
     Deformation(DeformationFields),
     /// The kernel scale; the density is at hand.
@@ -65,13 +67,34 @@ enum SecondRow {
 }
 
 /// Rate of deformation and kernel scale for the second row.
+#[derive(Clone)]
 struct DeformationFields {
     deformation: [Read<f64>; 3],
     change: [Read<f64>; 3],
     kernel_scale: Read<f64>,
 }
 
+/// When the state is evaluated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum When {
+    /// At the end of a step, for the next one, while the particles lie in the cache.
+    Ahead,
+    /// At the start of a step where that doesn't hold: it is the first one, the list was built anew, or somebody
+    /// has set columns from outside.
+    Anew,
+}
+
+impl When {
+    fn name(self) -> &'static str {
+        match self {
+            When::Ahead => "equation-of-state",
+            When::Anew => "state-anew",
+        }
+    }
+}
+
 /// The stage.
+#[derive(Clone)]
 pub struct State<E> {
     equation: E,
     packing: Packing,
@@ -88,18 +111,21 @@ pub struct State<E> {
     size: Write<f64>,
     pressure: Write<f64>,
     sound_speed: Write<f64>,
+    when: When,
+    /// From the rates of deformation to the time of the rows, s.
+    elapsed: f64,
 }
 
 impl<E: EquationOfState> State<E> {
-    /// Packs rows with the given second half.
-    pub fn new(
+    /// Packs rows with the given second half, at the start of a step where that is needed.
+    pub fn anew(
         wiring: &mut Wiring,
         equation: E,
         packing: Packing,
         second: Second,
         precision: Precision,
     ) -> Self {
-        wiring.stage("equation-of-state");
+        wiring.stage(When::Anew.name());
         State {
             equation,
             packing,
@@ -115,73 +141,88 @@ impl<E: EquationOfState> State<E> {
             size: wiring.write(&fields::SIZE),
             pressure: wiring.write(&fields::PRESSURE),
             sound_speed: wiring.write(&fields::SOUND_SPEED),
+            when: When::Anew,
+            elapsed: 0.0,
         }
     }
 
-    /// Size, pressure and sound speed of every particle, and its row.
-    fn evaluate<R: FirstPart>(&self, world: &mut World) {
-        let store = &world.store;
-        let [r, z] = self.position.map(|field| store.read(field));
-        let [u, w] = self.velocity.map(|field| store.read(field));
-        let (density, mass) = (store.read(self.density), store.read(self.mass));
-        let reference = store.read(self.reference_pressure);
-        let energy = self.energy.map(|field| store.read(field));
-        let (mut size, mut pressure) = (store.write(self.size), store.write(self.pressure));
-        let mut sound_speed = store.write(self.sound_speed);
-        let columns = (
-            (&r[..], &z[..], &u[..], &w[..]),
-            (&density[..], &mass[..], &reference[..], energy.as_deref()),
-            (&mut size[..], &mut pressure[..], &mut sound_speed[..]),
-            &mut R::table(&mut world.rows)[..r.len()],
-        );
-        parallel::for_chunks(r.len(), columns, |_, (motion, state, results, rows)| {
-            for (k, rows) in rows.chunks_mut(WIDTH).enumerate() {
-                let range = k * WIDTH..k * WIDTH + rows.len();
-                let of = |column: &[f64], fill| Lanes::load_or(&column[range.clone()], fill).to_array();
-                let (r, z, u, w) =
-                    (of(motion.0, 1.0), of(motion.1, 0.0), of(motion.2, 0.0), of(motion.3, 0.0));
-                let (density, mass, reference) = (of(state.0, 1.0), of(state.1, 1.0), of(state.2, 0.0));
-                let energy = state.3.map(|energy| of(energy, 0.0));
-                let internal = |i: usize| match &energy {
-                    Some(energy) => energy[i] - 0.5 * (u[i] * u[i] + w[i] * w[i]),
-                    None => 0.0,
-                };
-                let radius = Lanes::load(&r) + Lanes::splat(self.packing.domain.origin);
-                let around = Lanes::splat(2.0 * PI) * radius * Lanes::load(&density);
-                let size = (Lanes::load(&mass) / around).sqrt().to_array();
-                let pressure: [f64; WIDTH] =
-                    std::array::from_fn(|i| self.equation.pressure(density[i], internal(i)) - reference[i]);
-                let sound_speed: [f64; WIDTH] =
-                    std::array::from_fn(|i| self.equation.sound_speed(density[i], internal(i)));
-                for (column, values) in
-                    [(&mut *results.0, &size), (&mut *results.1, &pressure), (&mut *results.2, &sound_speed)]
-                {
-                    column[range.clone()].copy_from_slice(&values[..rows.len()]);
-                }
-                let flow = Flow {
-                    r,
-                    z,
-                    reach: size
-                        .map(|size: f64| 2.0 * self.packing.theta * size.min(self.packing.largest_size)),
-                    area: size.map(|size| size * size),
-                    velocity_r: u,
-                    velocity_z: w,
-                    pressure,
-                    impedance: std::array::from_fn(|i| density[i] * sound_speed[i]),
-                };
-                R::pack(&flow, rows, self.unit);
-            }
-        });
+    /// The same at the end of every step, for the next one.
+    pub fn ahead(self, wiring: &mut Wiring) -> Self {
+        wiring.repeat(When::Anew.name(), When::Ahead.name());
+        State { when: When::Ahead, ..self }
     }
-}
 
-impl<E: EquationOfState> State<E> {
-    fn pack_double(&self, world: &mut World) {
-        let (particles, images) = (world.store.len(), world.neighbours.images().len());
-        world.rows.resize(particles, images, self.second.is_some());
-        self.evaluate::<Row>(world);
-        self.pack_second::<HalfRow>(world);
-        let (images, domain) = (world.neighbours.images(), &self.packing.domain);
+    /// Size, pressure and sound speed of the particles of a chunk, and their rows.
+    fn evaluate<R: FirstPart>(&self, chunk: &Chunk) {
+        let [r, z] = self.position.map(|field| chunk.read(field));
+        let [u, w] = self.velocity.map(|field| chunk.read(field));
+        let (density, mass) = (chunk.read(self.density), chunk.read(self.mass));
+        let reference = chunk.read(self.reference_pressure);
+        let energy = self.energy.map(|field| chunk.read(field));
+        let (mut sizes, mut pressures) = (chunk.write(self.size), chunk.write(self.pressure));
+        let mut sound_speeds = chunk.write(self.sound_speed);
+        let mut rows = chunk.rows();
+        for (k, rows) in R::of(&mut rows).chunks_mut(WIDTH).enumerate() {
+            let range = k * WIDTH..k * WIDTH + rows.len();
+            let of = |column: &[f64], fill| Lanes::load_or(&column[range.clone()], fill).to_array();
+            let (r, z, u, w) = (of(&r, 1.0), of(&z, 0.0), of(&u, 0.0), of(&w, 0.0));
+            let (density, mass, reference) = (of(&density, 1.0), of(&mass, 1.0), of(&reference, 0.0));
+            let energy = energy.as_ref().map(|energy| of(energy, 0.0));
+            let internal = |i: usize| match &energy {
+                Some(energy) => energy[i] - 0.5 * (u[i] * u[i] + w[i] * w[i]),
+                None => 0.0,
+            };
+            let radius = Lanes::load(&r) + Lanes::splat(self.packing.domain.origin);
+            let around = Lanes::splat(2.0 * PI) * radius * Lanes::load(&density);
+            let size = (Lanes::load(&mass) / around).sqrt().to_array();
+            let pressure: [f64; WIDTH] =
+                std::array::from_fn(|i| self.equation.pressure(density[i], internal(i)) - reference[i]);
+            let sound_speed: [f64; WIDTH] =
+                std::array::from_fn(|i| self.equation.sound_speed(density[i], internal(i)));
+            sizes[range.clone()].copy_from_slice(&size[..rows.len()]);
+            pressures[range.clone()].copy_from_slice(&pressure[..rows.len()]);
+            sound_speeds[range.clone()].copy_from_slice(&sound_speed[..rows.len()]);
+            let flow = Flow {
+                r,
+                z,
+                reach: size.map(|size: f64| 2.0 * self.packing.theta * size.min(self.packing.largest_size)),
+                area: size.map(|size| size * size),
+                velocity_r: u,
+                velocity_z: w,
+                pressure,
+                impedance: std::array::from_fn(|i| density[i] * sound_speed[i]),
+            };
+            R::pack(&flow, rows, self.unit);
+        }
+    }
+
+    /// The second rows of a chunk, or the second part of its rows of single precision.
+    fn evaluate_second<R: SecondPart>(&self, chunk: &Chunk) {
+        match &self.second {
+            Some(SecondRow::Deformation(fields)) => fields.pack::<R>(chunk, self.elapsed, self.unit),
+            Some(SecondRow::Density(scale)) => {
+                let (density, scale, mut rows) = (chunk.read(self.density), chunk.read(*scale), chunk.rows());
+                for ((row, density), scale) in R::of(&mut rows).iter_mut().zip(&*density).zip(&*scale) {
+                    row.set_density(*density, *scale);
+                }
+            }
+            None => {}
+        }
+    }
+
+    /// The rows of images.
+    fn mirror(&self, world: &mut World) {
+        let particles = world.store.len();
+        let (images, domain, unit) = (world.neighbours.images(), &self.packing.domain, self.unit);
+        if self.precision == Precision::Mixed {
+            let (own, copies) = world.rows.single.split_at_mut(particles);
+            parallel::for_chunks(images.len(), (images, copies), |_, (images, copies)| {
+                for (image, copy) in images.iter().zip(copies) {
+                    *copy = image_of_single(image, domain, unit, &own[image.source as usize]);
+                }
+            });
+            return;
+        }
         let (own, copies) = world.rows.first.split_at_mut(particles);
         parallel::for_chunks(images.len(), (images, copies), |_, (images, copies)| {
             for (image, copy) in images.iter().zip(copies) {
@@ -195,40 +236,6 @@ impl<E: EquationOfState> State<E> {
                     *copy = image_of_second(image, &own[image.source as usize]);
                 }
             });
-        }
-    }
-
-    fn pack_mixed(&self, world: &mut World) {
-        let (particles, images) = (world.store.len(), world.neighbours.images().len());
-        let (domain, unit) = (&self.packing.domain, self.unit);
-        world.rows.resize_single(particles, images);
-        self.evaluate::<SingleRow>(world);
-        self.pack_second::<SingleRow>(world);
-        let images = world.neighbours.images();
-        let (own, copies) = world.rows.single.split_at_mut(particles);
-        parallel::for_chunks(images.len(), (images, copies), |_, (images, copies)| {
-            for (image, copy) in images.iter().zip(copies) {
-                *copy = image_of_single(image, domain, unit, &own[image.source as usize]);
-            }
-        });
-    }
-
-    fn pack_density<R: SecondPart>(&self, world: &mut World, kernel_scale: Read<f64>) {
-        let (density, scale) = (world.store.read(self.density), world.store.read(kernel_scale));
-        let columns = (&density[..], &scale[..], &mut R::table(&mut world.rows)[..density.len()]);
-        parallel::for_chunks(density.len(), columns, |_, (density, scale, rows)| {
-            for ((row, density), scale) in rows.iter_mut().zip(density).zip(scale) {
-                row.set_density(*density, *scale);
-            }
-        });
-    }
-
-    /// The second rows, or the second part of rows of single precision.
-    fn pack_second<R: SecondPart>(&self, world: &mut World) {
-        match &self.second {
-            Some(SecondRow::Deformation(fields)) => fields.pack::<R>(world, self.unit),
-            Some(SecondRow::Density(scale)) => self.pack_density::<R>(world, *scale),
-            None => {}
         }
     }
 }
@@ -258,46 +265,73 @@ impl DeformationFields {
         }
     }
 
-    /// G^n = g^{n-1} + h s: the gradient of the step before, moved on to the present time
+    /// G^n = g^{n-1} + h s: the gradient of the step before, moved on by h to the present time
     /// (method.md, section 10, "One traversal a step").
-    fn pack<R: SecondPart>(&self, world: &mut World, unit: f64) {
-        let elapsed = world.clock.previous_step_size;
-        let store = &world.store;
-        let [rr, shear, zz] = self.deformation.map(|field| store.read(field));
-        let [change_rr, change_shear, change_zz] = self.change.map(|field| store.read(field));
-        let scale = store.read(self.kernel_scale);
-        let columns = (
-            (&rr[..], &shear[..], &zz[..], &scale[..]),
-            (&change_rr[..], &change_shear[..], &change_zz[..]),
-            &mut R::table(&mut world.rows)[..rr.len()],
-        );
-        parallel::for_chunks(rr.len(), columns, |_, ((rr, shear, zz, scale), change, rows)| {
-            let len = rows.len();
-            let (rr, shear, zz, scale) = (&rr[..len], &shear[..len], &zz[..len], &scale[..len]);
-            let change = (&change.0[..len], &change.1[..len], &change.2[..len]);
-            for i in 0..len {
-                let deformation = Deformation {
-                    rr: rr[i] + elapsed * change.0[i],
-                    shear: shear[i] + elapsed * change.1[i],
-                    zz: zz[i] + elapsed * change.2[i],
-                    kernel_scale: scale[i],
-                };
-                rows[i].set_deformation(&deformation, unit);
-            }
-        });
+    fn pack<R: SecondPart>(&self, chunk: &Chunk, elapsed: f64, unit: f64) {
+        let [rr, shear, zz] = self.deformation.map(|field| chunk.read(field));
+        let [change_rr, change_shear, change_zz] = self.change.map(|field| chunk.read(field));
+        let scale = chunk.read(self.kernel_scale);
+        let mut rows = chunk.rows();
+        let rows = R::of(&mut rows);
+        let len = rows.len();
+        let (rr, shear, zz, scale) = (&rr[..len], &shear[..len], &zz[..len], &scale[..len]);
+        let change = (&change_rr[..len], &change_shear[..len], &change_zz[..len]);
+        for i in 0..len {
+            let deformation = Deformation {
+                rr: rr[i] + elapsed * change.0[i],
+                shear: shear[i] + elapsed * change.1[i],
+                zz: zz[i] + elapsed * change.2[i],
+                kernel_scale: scale[i],
+            };
+            rows[i].set_deformation(&deformation, unit);
+        }
     }
 }
 
-impl<E: EquationOfState> Stage for State<E> {
+impl<E: EquationOfState> ChunkStage for State<E> {
     fn name(&self) -> &'static str {
-        "equation-of-state"
+        self.when.name()
     }
 
-    fn run(&mut self, world: &mut World) -> Result<(), Fault> {
+    fn is_due(&self, world: &World) -> bool {
+        self.when == When::Ahead || !world.rows.are_current || world.store.is_changed()
+    }
+
+    fn packs_rows(&self) -> bool {
+        true
+    }
+
+    fn prepare(&mut self, world: &mut World) -> Result<(), Fault> {
+        let (particles, images) = (world.store.len(), world.neighbours.images().len());
         match self.precision {
-            Precision::Double => self.pack_double(world),
-            Precision::Mixed => self.pack_mixed(world),
+            Precision::Double => world.rows.resize(particles, images, self.second.is_some()),
+            Precision::Mixed => world.rows.resize_single(particles, images),
         }
+        self.elapsed = match (self.when, world.clock.bound()) {
+            (When::Ahead, Some(bound)) => bound.step_size,
+            _ => world.clock.previous_step_size,
+        };
+        Ok(())
+    }
+
+    fn chunk(&self, _: &Around, chunk: &Chunk) -> Partial {
+        match self.precision {
+            Precision::Double => {
+                self.evaluate::<Row>(chunk);
+                self.evaluate_second::<HalfRow>(chunk);
+            }
+            Precision::Mixed => {
+                self.evaluate::<SingleRow>(chunk);
+                self.evaluate_second::<SingleRow>(chunk);
+            }
+        }
+        [0.0; 2]
+    }
+
+    fn finish(&mut self, world: &mut World, _: Partial) -> Result<(), Fault> {
+        self.mirror(world);
+        world.rows.are_current = true;
+        world.store.forget_changes();
         Ok(())
     }
 }

@@ -184,19 +184,6 @@ pub static DISSIPATION_Z: Real = Field::derived(
 /// Density times the rate of the total specific energy.
 pub static POWER: Real =
     Field::derived("power", "rho dE/dt", "W/m3", "Density times the rate of the total specific energy.");
-/// Viscous force density, radial.
-pub static VISCOUS_FORCE_R: Real =
-    Field::derived("viscous_force_r", "f_v", "N/m3", "Viscous force density, radial component.");
-/// Viscous force density, axial.
-pub static VISCOUS_FORCE_Z: Real =
-    Field::derived("viscous_force_z", "f_v", "N/m3", "Viscous force density, axial component.");
-/// Power density of the viscous stress.
-pub static VISCOUS_POWER: Real = Field::derived(
-    "viscous_power",
-    "rho dE_v/dt",
-    "W/m3",
-    "Density times the rate of the total specific energy by the viscous stress.",
-);
 /// Force density that acts through the free surface, radial.
 pub static SURFACE_FORCE_R: Real = Field::derived(
     "surface_force_r",
@@ -211,14 +198,6 @@ pub static SURFACE_FORCE_Z: Real = Field::derived(
     "N/m3",
     "Force density that acts through the free surface, axial component.",
 );
-/// Moment matrix L_rr.
-pub static MOMENT_RR: Real =
-    Field::derived("moment_rr", "L_rr", "1", "Moment matrix, one inside and less at the surface.");
-/// Moment matrix L_rz.
-pub static MOMENT_RZ: Real = Field::derived("moment_rz", "L_rz", "1", "Moment matrix, zero inside.");
-/// Moment matrix L_zz.
-pub static MOMENT_ZZ: Real =
-    Field::derived("moment_zz", "L_zz", "1", "Moment matrix, one inside and less at the surface.");
 /// Unit tangent of the surface, radial component.
 pub static SURFACE_TANGENT_R: Real = Field::derived(
     "surface_tangent_r",
@@ -233,41 +212,102 @@ pub static SURFACE_TANGENT_Z: Real = Field::derived(
     "1",
     "Unit tangent of the surface when the curvature was last computed, axial component; zero inside.",
 );
+/// I - L, component rr.
+pub static SUPPORT_LACK_RR: Real = Field::derived(
+    "support_lack_rr",
+    "1 - L_rr",
+    "1",
+    "What the moment matrix lacks of one; zero away from the surface.",
+);
+/// I - L, component rz.
+pub static SUPPORT_LACK_RZ: Real = Field::derived(
+    "support_lack_rz",
+    "-L_rz",
+    "1",
+    "What the moment matrix lacks of one; zero away from the surface.",
+);
+/// I - L, component zz.
+pub static SUPPORT_LACK_ZZ: Real = Field::derived(
+    "support_lack_zz",
+    "1 - L_zz",
+    "1",
+    "What the moment matrix lacks of one; zero away from the surface.",
+);
 /// Weight vector of the ghost particle, radial.
 pub static GHOST_WEIGHT_R: Real = Field::derived(
     "ghost_weight_r",
     "bw_r",
     "1/m",
-    "Weight vector of the particle's ghost, outward, radial component.",
+    "Weight vector of the particle's ghost, outward, radial component; zero away from the surface.",
 );
 /// Weight vector of the ghost particle, axial.
 pub static GHOST_WEIGHT_Z: Real = Field::derived(
     "ghost_weight_z",
     "bw_z",
     "1/m",
-    "Weight vector of the particle's ghost, outward, axial component.",
+    "Weight vector of the particle's ghost, outward, axial component; zero away from the surface.",
 );
+/// d U_r / d z - d U_z / d r.
+pub static ROTATION: Real =
+    Field::derived("rotation", "dU_r/dz - dU_z/dr", "1/s", "Rotation of the velocity.");
+/// What a shift brings of axial velocity.
+pub static CARRIED_Z: Real = Field::derived(
+    "carried_z",
+    "dx . grad U_z",
+    "m/s",
+    "What a particle takes up of the flow's axial velocity at the place to which it was shifted.",
+);
+
+// Handed on within a step, from one stage to those that follow it.
+
+/// Viscous force density, radial.
+pub static VISCOUS_FORCE_R: Real =
+    Field::transient("viscous_force_r", "f_v", "N/m3", "Viscous force density, radial component.");
+/// Viscous force density, axial.
+pub static VISCOUS_FORCE_Z: Real =
+    Field::transient("viscous_force_z", "f_v", "N/m3", "Viscous force density, axial component.");
+/// Power density of the viscous stress.
+pub static VISCOUS_POWER: Real = Field::transient(
+    "viscous_power",
+    "rho dE_v/dt",
+    "W/m3",
+    "Density times the rate of the total specific energy by the viscous stress.",
+);
+/// Moment matrix L_rr.
+pub static MOMENT_RR: Real =
+    Field::transient("moment_rr", "L_rr", "1", "Moment matrix, one inside and less at the surface.");
+/// Moment matrix L_rz.
+pub static MOMENT_RZ: Real = Field::transient("moment_rz", "L_rz", "1", "Moment matrix, zero inside.");
+/// Moment matrix L_zz.
+pub static MOMENT_ZZ: Real =
+    Field::transient("moment_zz", "L_zz", "1", "Moment matrix, one inside and less at the surface.");
 /// Velocity differences summed for the gradient: radial velocity, radial direction.
 pub static VELOCITY_SUM_RR: Real =
-    Field::derived("velocity_sum_rr", "T_rr", "1/s", "Velocity gradient before division by L.");
+    Field::transient("velocity_sum_rr", "T_rr", "1/s", "Velocity gradient before division by L.");
 /// Velocity differences summed for the gradient: radial velocity, axial direction.
 pub static VELOCITY_SUM_RZ: Real =
-    Field::derived("velocity_sum_rz", "T_rz", "1/s", "Velocity gradient before division by L.");
+    Field::transient("velocity_sum_rz", "T_rz", "1/s", "Velocity gradient before division by L.");
 /// Velocity differences summed for the gradient: axial velocity, radial direction.
 pub static VELOCITY_SUM_ZR: Real =
-    Field::derived("velocity_sum_zr", "T_zr", "1/s", "Velocity gradient before division by L.");
+    Field::transient("velocity_sum_zr", "T_zr", "1/s", "Velocity gradient before division by L.");
 /// Velocity differences summed for the gradient: axial velocity, axial direction.
 pub static VELOCITY_SUM_ZZ: Real =
-    Field::derived("velocity_sum_zz", "T_zz", "1/s", "Velocity gradient before division by L.");
+    Field::transient("velocity_sum_zz", "T_zz", "1/s", "Velocity gradient before division by L.");
+/// The sum that becomes the weight vector of the ghost, radial.
+pub static GHOST_WEIGHT_SUM_R: Real =
+    Field::transient("ghost_weight_sum_r", "bw_r", "1/m", "Weight vector of a ghost, radial component.");
+/// The sum that becomes the weight vector of the ghost, axial.
+pub static GHOST_WEIGHT_SUM_Z: Real =
+    Field::transient("ghost_weight_sum_z", "bw_z", "1/m", "Weight vector of a ghost, axial component.");
 /// Gradient of the particle concentration, radial.
-pub static CROWDING_R: Real = Field::derived(
+pub static CROWDING_R: Real = Field::transient(
     "crowding_r",
     "grad C_r",
     "1/m",
     "Gradient of the particle concentration, from which shifting moves away, radial component.",
 );
 /// Gradient of the particle concentration, axial.
-pub static CROWDING_Z: Real = Field::derived(
+pub static CROWDING_Z: Real = Field::transient(
     "crowding_z",
     "grad C_z",
     "1/m",

@@ -3,9 +3,10 @@
 use crate::boundary_detect::EIGENVALUE;
 use crate::fields;
 use crate::surface::INSIDE;
+use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
 use meniscus_engine::lanes::{Lanes, WIDTH};
 use meniscus_engine::parallel;
-use meniscus_engine::pipeline::{Fault, Stage, World};
+use meniscus_engine::pipeline::{Fault, World};
 use meniscus_engine::store::{Read, Update};
 use meniscus_engine::wiring::Wiring;
 
@@ -35,34 +36,37 @@ impl KernelCorrection {
     }
 }
 
-impl Stage for KernelCorrection {
+impl ChunkStage for KernelCorrection {
     fn name(&self) -> &'static str {
         "kernel-correction"
     }
 
-    fn run(&mut self, world: &mut World) -> Result<(), Fault> {
-        let [rr, rz, zz] = self.moment.map(|field| world.store.read(field));
+    fn chunk(&self, _: &Around, chunk: &Chunk) -> Partial {
+        let [rr, rz, zz] = self.moment.map(|field| chunk.read(field));
+        let mut scale = chunk.write(self.scale);
+        let surface = self.surface.map(|surface| chunk.read(surface));
+        follow((&rr, &rz, &zz, &mut scale), surface.as_deref())
+    }
+
+    /// Those with few neighbours and those near the surface look at the mean. NaN marks few neighbours, and the least
+    /// of it and the mean is the mean.
+    fn finish(&mut self, world: &mut World, [sum, count]: Partial) -> Result<(), Fault> {
         let mut scale = world.store.write(self.scale);
         let surface = self.surface.map(|surface| world.store.read(surface));
         let surface = surface.as_deref();
-        let columns = (&rr[..], &rz[..], &zz[..], &mut scale[..]);
-        let body = |start: usize, columns: Columns, len: usize| {
-            follow(columns, surface.map(|surface| &surface[start..start + len]))
-        };
-        let add = |a: (f64, f64), b: (f64, f64)| (a.0 + b.0, a.1 + b.1);
-        let (sum, count) = parallel::fold_chunks(rr.len(), columns, &body, &add);
         let mean = if count > 0.0 { sum / count } else { 1.0 };
-        // NaN marks few neighbours, and the least of it and the mean is the mean.
-        parallel::for_chunks(rr.len(), (&mut scale[..], surface), |_, (scale, surface)| match surface {
-            Some(surface) => {
-                for (scale, surface) in scale.iter_mut().zip(surface) {
-                    let least = scale.min(mean);
-                    *scale = if (*surface == INSIDE) & !scale.is_nan() { *scale } else { least };
+        parallel::for_chunks(scale.len(), (&mut scale[..], surface), |_, (scale, surface)| {
+            for (k, eight) in scale.chunks_mut(WIDTH).enumerate() {
+                let surface = surface.map(|surface| &surface[k * WIDTH..k * WIDTH + eight.len()]);
+                let codes = surface.unwrap_or_default();
+                let is_inside = codes.iter().fold(INSIDE, |any, code| any | code) == INSIDE;
+                // Most are left as they are: eight of them are looked at together.
+                if is_inside && !eight.iter().sum::<f64>().is_nan() {
+                    continue;
                 }
-            }
-            None => {
-                for scale in scale {
-                    *scale = if scale.is_nan() { mean } else { *scale };
+                for (lane, scale) in eight.iter_mut().enumerate() {
+                    let is_inside = codes.get(lane).is_none_or(|code| *code == INSIDE);
+                    *scale = if is_inside && !scale.is_nan() { *scale } else { scale.min(mean) };
                 }
             }
         });
@@ -74,7 +78,7 @@ type Columns<'a> = (&'a [f64], &'a [f64], &'a [f64], &'a mut [f64]);
 
 /// Moves the factors of all particles that have enough neighbours, marks the others by a NaN, and gives sum and
 /// number of those inside.
-fn follow((rr, rz, zz, scale): Columns, surface: Option<&[u32]>) -> (f64, f64) {
+fn follow((rr, rz, zz, scale): Columns, surface: Option<&[u32]>) -> Partial {
     let (mut sum, mut count) = (Lanes::ZERO, Lanes::ZERO);
     let enough = Lanes::splat(EIGENVALUE);
     for first in (0..scale.len()).step_by(WIDTH) {
@@ -100,5 +104,5 @@ fn follow((rr, rz, zz, scale): Columns, surface: Option<&[u32]>) -> (f64, f64) {
         sum += interior.select_greater(Lanes::ZERO, now, Lanes::ZERO);
         count += interior;
     }
-    (sum.sum(), count.sum())
+    [sum.sum(), count.sum()]
 }

@@ -1,6 +1,7 @@
 //! The physics of Meniscus: every stage and every pair term in a small file of its own.
 
 pub mod axis_contact;
+mod bad_state;
 pub mod boundary_detect;
 pub mod central_force;
 pub mod colour_field;
@@ -15,6 +16,7 @@ pub mod equation_of_state;
 pub mod fields;
 pub mod geometry;
 pub mod ghost_coupling;
+pub mod incomplete_support;
 pub mod initial_pressure;
 pub mod integrate;
 pub mod kernel_correction;
@@ -33,5 +35,6 @@ mod surface_layer;
 mod surface_neighbours;
 mod surface_search;
 pub mod terms;
+pub mod time_step;
 pub mod velocity_gradient;
 pub mod viscosity;

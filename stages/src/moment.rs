@@ -12,6 +12,12 @@ pub struct Moment {
 }
 
 impl Moment {
+    /// L from the components rr, rz and zz of I - L.
+    #[inline]
+    pub fn of_lack([rr, rz, zz]: [f64; 3]) -> Moment {
+        Moment { rr: 1.0 - rr, rz: -rz, zz: 1.0 - zz }
+    }
+
     /// Whether both eigenvalues are at least `least`, without a root: trace and determinant of
     /// L - least are those of a matrix without negative eigenvalues.
     #[inline]

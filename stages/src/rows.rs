@@ -2,12 +2,12 @@
 
 use crate::record::{Deformation, Flow};
 use meniscus_engine::domain::{Domain, Image};
-use meniscus_engine::lanes::{COORDINATE, HalfRow, Lanes, Row, RowTable, SingleRow, WIDTH, place};
+use meniscus_engine::lanes::{COORDINATE, HalfRow, Lanes, Row, RowPart, SingleRow, WIDTH, place};
 
 /// A row that takes up flow states.
 pub trait FirstPart: Send + Sized {
-    /// All rows of that kind.
-    fn table(rows: &mut RowTable) -> &mut [Self];
+    /// The rows of that kind.
+    fn of<'a>(rows: &'a mut RowPart<'_>) -> &'a mut [Self];
 
     /// Turns the states of eight particles into as many rows as are asked for, with `unit` metres as the unit
     /// of length in single precision.
@@ -16,8 +16,8 @@ pub trait FirstPart: Send + Sized {
 
 /// A row that takes up what follows the flow state.
 pub trait SecondPart: Send + Sized {
-    /// All rows of that kind.
-    fn table(rows: &mut RowTable) -> &mut [Self];
+    /// The rows of that kind.
+    fn of<'a>(rows: &'a mut RowPart<'_>) -> &'a mut [Self];
 
     /// Takes up rate of deformation and kernel scale, with `unit` metres as the unit of length in single
     /// precision.
@@ -28,8 +28,8 @@ pub trait SecondPart: Send + Sized {
 }
 
 impl FirstPart for Row {
-    fn table(rows: &mut RowTable) -> &mut [Row] {
-        &mut rows.first
+    fn of<'a>(rows: &'a mut RowPart<'_>) -> &'a mut [Row] {
+        rows.first
     }
 
     #[inline(always)]
@@ -44,8 +44,8 @@ impl FirstPart for Row {
 }
 
 impl FirstPart for SingleRow {
-    fn table(rows: &mut RowTable) -> &mut [SingleRow] {
-        &mut rows.single
+    fn of<'a>(rows: &'a mut RowPart<'_>) -> &'a mut [SingleRow] {
+        rows.single
     }
 
     #[inline(always)]
@@ -70,8 +70,8 @@ impl FirstPart for SingleRow {
 }
 
 impl SecondPart for HalfRow {
-    fn table(rows: &mut RowTable) -> &mut [HalfRow] {
-        &mut rows.second
+    fn of<'a>(rows: &'a mut RowPart<'_>) -> &'a mut [HalfRow] {
+        rows.second
     }
 
     #[inline(always)]
@@ -87,8 +87,8 @@ impl SecondPart for HalfRow {
 }
 
 impl SecondPart for SingleRow {
-    fn table(rows: &mut RowTable) -> &mut [SingleRow] {
-        &mut rows.single
+    fn of<'a>(rows: &'a mut RowPart<'_>) -> &'a mut [SingleRow] {
+        rows.single
     }
 
     #[inline(always)]

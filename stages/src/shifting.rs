@@ -4,12 +4,14 @@ use crate::fields;
 use crate::integrate::CLOSED;
 use crate::moment::Moment;
 use crate::surface::{BOUNDARY, INSIDE, NEAR_BOUNDARY};
-use crate::surface_corrections::INVERTIBLE;
+use meniscus_engine::field::Field;
+use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
 use meniscus_engine::lanes::{Lanes, WIDTH};
 use meniscus_engine::parallel;
-use meniscus_engine::pipeline::{Fault, Stage, World};
-use meniscus_engine::store::{Read, Update};
+use meniscus_engine::pipeline::{Fault, World};
+use meniscus_engine::store::{Read, Update, Write};
 use meniscus_engine::wiring::Wiring;
+use std::cell::Ref;
 
 /// Largest shift in one step, in particle sizes.
 const CAP: f64 = 0.01;
@@ -69,83 +71,72 @@ pub struct Shifting {
 /// each particle took up.
 struct Carrying {
     velocity: [Update<f64>; 2],
-    velocity_sum: [Read<f64>; 4],
+    deformation: [Read<f64>; 3],
+    rotation: Read<f64>,
     mass: Read<f64>,
+    carried: (Write<f64>, Read<f64>),
 }
 
 impl Carrying {
     fn new(wiring: &mut Wiring) -> Self {
-        let sum = [
-            &fields::VELOCITY_SUM_RR,
-            &fields::VELOCITY_SUM_RZ,
-            &fields::VELOCITY_SUM_ZR,
-            &fields::VELOCITY_SUM_ZZ,
-        ];
         Carrying {
             velocity: [wiring.update(&fields::VELOCITY_R), wiring.update(&fields::VELOCITY_Z)],
-            velocity_sum: sum.map(|field| wiring.read(field)),
+            deformation: DEFORMATION.map(|field| wiring.read(field)),
+            rotation: wiring.read(&fields::ROTATION),
             mass: wiring.read(&fields::MASS),
+            carried: (wiring.write(&fields::CARRIED_Z), wiring.read(&fields::CARRIED_Z)),
         }
     }
 
-    /// Carries velocities along the shifts of all particles.
-    fn run(&self, world: &World, moment: [Read<f64>; 3], shifts: &mut [[f64; 2]]) {
-        let store = &world.store;
-        let [rr, rz, zz] = moment.map(|field| store.read(field));
-        let sum = self.velocity_sum.map(|field| store.read(field));
-        let mass = store.read(self.mass);
-        let [mut u, mut w] = self.velocity.map(|field| store.write(field));
-        let body = |start: usize, (u, w, shifts): Columns, len: usize| {
-            let (mut momentum, mut scale) = (0.0, 0.0);
-            for k in 0..len {
-                let i = start + k;
-                let moment = Moment { rr: rr[i], rz: rz[i], zz: zz[i] };
-                if !moment.eigenvalues_at_least(INVERTIBLE) {
-                    shifts[k] = [0.0; 2];
-                    continue;
-                }
-                let gradient = moment.solve(std::array::from_fn(|c| sum[c][i]));
-                let [dr, dz] = shifts[k];
-                let change = [dr * gradient[0] + dz * gradient[1], dr * gradient[2] + dz * gradient[3]];
-                u[k] += change[0];
-                w[k] += change[1];
-                shifts[k] = change;
-                momentum += mass[i] * change[1];
-                scale += mass[i] * change[1].abs();
-            }
-            (momentum, scale)
-        };
-        let add = |a: (f64, f64), b: (f64, f64)| (a.0 + b.0, a.1 + b.1);
-        let columns = (&mut u[..], &mut w[..], &mut *shifts);
-        let (momentum, scale) = parallel::fold_chunks(mass.len(), columns, &body, &add);
+    /// Carries velocities along the shifts of a chunk; gives the axial momentum that comes in and the sum of its
+    /// parts' magnitudes.
+    fn carry(&self, chunk: &Chunk, shift: impl Fn(usize) -> [f64; 2]) -> Partial {
+        let [rr, shear, zz] = self.deformation.map(|field| chunk.read(field));
+        let (rotation, mass) = (chunk.read(self.rotation), chunk.read(self.mass));
+        let [mut u, mut w] = self.velocity.map(|field| chunk.write(field));
+        let mut carried = chunk.write(self.carried.0);
+        let (mut momentum, mut scale) = (0.0, 0.0);
+        for k in 0..chunk.len() {
+            let [dr, dz] = shift(k);
+            u[k] += dr * rr[k] + dz * 0.5 * (shear[k] + rotation[k]);
+            carried[k] = dr * 0.5 * (shear[k] - rotation[k]) + dz * zz[k];
+            w[k] += carried[k];
+            momentum += mass[k] * carried[k];
+            scale += mass[k] * carried[k].abs();
+        }
+        [momentum, scale]
+    }
+
+    /// Takes the momentum off again that came in.
+    fn balance(&self, world: &World, [momentum, scale]: Partial) {
         if scale > 0.0 {
             let excess = momentum / scale;
-            parallel::for_chunks(mass.len(), (&mut w[..], &*shifts), |_, (w, changes)| {
-                for (w, change) in w.iter_mut().zip(changes) {
-                    *w -= excess * change[1].abs();
-                }
+            let carried = world.store.read(self.carried.1);
+            let mut w = world.store.write(self.velocity[1]);
+            parallel::for_chunks(carried.len(), (&mut w[..], &carried[..]), |_, (w, carried)| {
+                w.iter_mut().zip(carried).for_each(|(w, carried)| *w -= excess * carried.abs());
             });
         }
     }
 }
 
-type Columns<'a> = (&'a mut [f64], &'a mut [f64], &'a mut [[f64; 2]]);
+const DEFORMATION: [&Field<f64>; 3] =
+    [&fields::DEFORMATION_RR, &fields::DEFORMATION_SHEAR, &fields::DEFORMATION_ZZ];
 
 impl Shifting {
-    /// Shifts after the step; `with_deformation` where the scene computes rates of deformation, `carrying` where
+    /// Shifts before the step; `with_deformation` where the scene computes rates of deformation, `carrying` where
     /// velocities go along.
     pub fn new(wiring: &mut Wiring, strength: Strength, with_deformation: bool, carrying: bool) -> Self {
         wiring.stage("shifting");
         let moment = [&fields::MOMENT_RR, &fields::MOMENT_RZ, &fields::MOMENT_ZZ];
-        let deformation = [&fields::DEFORMATION_RR, &fields::DEFORMATION_SHEAR, &fields::DEFORMATION_ZZ];
         Shifting {
             strength,
             size: wiring.read(&fields::SIZE),
             crowding: [wiring.read(&fields::CROWDING_R), wiring.read(&fields::CROWDING_Z)],
             moment: moment.map(|field| wiring.read(field)),
-            deformation: with_deformation.then(|| deformation.map(|field| wiring.read(field))),
+            deformation: with_deformation.then(|| DEFORMATION.map(|field| wiring.read(field))),
             surface: wiring.read(&fields::SURFACE),
-            weight: [wiring.read(&fields::GHOST_WEIGHT_R), wiring.read(&fields::GHOST_WEIGHT_Z)],
+            weight: [wiring.read(&fields::GHOST_WEIGHT_SUM_R), wiring.read(&fields::GHOST_WEIGHT_SUM_Z)],
             position: [wiring.update(&fields::RADIUS), wiring.update(&fields::AXIAL)],
             carrying: carrying.then(|| Carrying::new(wiring)),
         }
@@ -169,89 +160,134 @@ fn along_surface(shift: [f64; 2], outward: [f64; 2], surface: u32) -> [f64; 2] {
     [shift[0] - removed * normal[0], shift[1] - removed * normal[1]]
 }
 
-impl Stage for Shifting {
+/// What decides on the shifts of a chunk.
+struct Packed<'a> {
+    size: Ref<'a, [f64]>,
+    surface: Ref<'a, [u32]>,
+    moment: [Ref<'a, [f64]>; 3],
+}
+
+impl Packed<'_> {
+    fn moment(&self, k: usize) -> Moment {
+        let [rr, rz, zz] = &self.moment;
+        Moment { rr: rr[k], rz: rz[k], zz: zz[k] }
+    }
+
+    /// Whether none of the eight particles from k on needs a shift off the boundary; `r` are their distances from
+    /// the axis.
+    fn are_quiet(&self, k: usize, r: Lanes) -> bool {
+        let load = |column: &[f64]| Lanes::load(&column[k..]);
+        let [rr, rz, zz] = &self.moment;
+        let (rr, rz, zz) = (load(rr), load(rz), load(zz));
+        let (difference, shear) = (rr - zz, rz + rz);
+        let most = Lanes::splat(0.99 * UNEVEN[0]) * (rr + zz);
+        let uneven = difference.mul_add(difference, shear.mul_add(shear, -(most * most)));
+        let closing = Lanes::splat(1.01 * CLOSING[0]).mul_add(load(&self.size), -r);
+        let inside = self.surface[k..k + WIDTH].iter().fold(true, |all, code| all & (*code != BOUNDARY));
+        inside && (-(uneven.max(closing))).all_positive()
+    }
+
+    /// How much of its full strength a shift needs that far from the axis.
+    fn need(&self, k: usize, radius: f64) -> f64 {
+        if self.surface[k] == BOUNDARY {
+            return 1.0;
+        }
+        let moment = self.moment(k);
+        if !moment.is_anisotropic(UNEVEN[0]) && radius >= CLOSING[0] * self.size[k] {
+            return 0.0;
+        }
+        ramp(moment.anisotropy(), UNEVEN).max(ramp(radius / self.size[k], CLOSING))
+    }
+}
+
+impl Shifting {
+    /// The shift of a particle at a distance from the axis that needs some part of its full strength, in m.
+    fn shift(&self, chunk: &Columns, packed: &Packed, k: usize, (radius, needed): (f64, f64)) -> [f64; 2] {
+        let Strength { coefficient, speed, rate, theta, everywhere, .. } = self.strength;
+        let size = packed.size[k];
+        let support = 4.0 * theta * size;
+        let speed = match &chunk.deformation {
+            Some([rr, shear, zz]) => {
+                let square = rr[k] * rr[k] + zz[k] * zz[k] + 0.5 * shear[k] * shear[k];
+                (support * (square.sqrt() - GENTLE * rate).max(0.0)).min(speed)
+            }
+            None => speed,
+        };
+        let factor = needed * coefficient * speed * chunk.step_size * support;
+        let [crowding_r, crowding_z] = &chunk.crowding;
+        let shift = [-factor * crowding_r[k], -factor * crowding_z[k]];
+        let surface = packed.surface[k];
+        let outward = [chunk.weight[0][k], chunk.weight[1][k]];
+        let outwards = everywhere && surface == NEAR_BOUNDARY;
+        let shift = if outwards { shift } else { along_surface(shift, outward, surface) };
+        let length = (shift[0] * shift[0] + shift[1] * shift[1]).sqrt();
+        let keep = if length > CAP * size { CAP * size / length } else { 1.0 };
+        // A shift must not carry a particle to the axis.
+        let room = (radius - CLOSED * size).max(0.0);
+        [(keep * shift[0]).max(-0.5 * room), keep * shift[1]]
+    }
+}
+
+/// What a shift is made from.
+struct Columns<'a> {
+    crowding: [Ref<'a, [f64]>; 2],
+    deformation: Option<[Ref<'a, [f64]>; 3]>,
+    weight: [Ref<'a, [f64]>; 2],
+    step_size: f64,
+}
+
+impl ChunkStage for Shifting {
     fn name(&self) -> &'static str {
         "shifting"
     }
 
-    fn run(&mut self, world: &mut World) -> Result<(), Fault> {
-        let Some(bound) = world.clock.bound() else {
-            return Ok(());
+    fn chunk(&self, around: &Around, chunk: &Chunk) -> Partial {
+        // As far as particles shift in a step, one is as long as the one before.
+        let step_size = around.clock.previous_step_size;
+        let packed = Packed {
+            size: chunk.read(self.size),
+            surface: chunk.read(self.surface),
+            moment: self.moment.map(|field| chunk.read(field)),
         };
-        let store = &world.store;
-        let size = store.read(self.size);
-        let [crowding_r, crowding_z] = self.crowding.map(|field| store.read(field));
-        let surface = store.read(self.surface);
-        let [rr, rz, zz] = self.moment.map(|field| store.read(field));
-        let deformation = self.deformation.map(|fields| fields.map(|field| store.read(field)));
-        let [weight_r, weight_z] = self.weight.map(|field| store.read(field));
-        let [mut r, mut z] = self.position.map(|field| store.write(field));
-        let Strength { coefficient, speed, rate, theta, origin, everywhere } = self.strength;
-        let carried = if self.carrying.is_some() { size.len() } else { 0 };
-        let shifts = world.arena.alloc_slice_fill_copy(carried, [0.0; 2]);
-        let noted = self.carrying.as_ref().map(|_| &mut *shifts);
-        parallel::for_chunks(size.len(), (&mut r[..], &mut z[..], noted), |start, (r, z, mut noted)| {
-            let mut quiet = false;
-            // Most particles need no shift: eight of them are tested at once for it.
-            let is_quiet = |k: usize, r: &[f64]| {
-                let eight = start + k..start + k + WIDTH;
-                let load = |column: &[f64]| Lanes::load(&column[eight.clone()]);
-                let (rr, rz, zz, size) = (load(&rr), load(&rz), load(&zz), load(&size));
-                let (difference, shear) = (rr - zz, rz + rz);
-                let most = Lanes::splat(0.99 * UNEVEN[0]) * (rr + zz);
-                let uneven = difference.mul_add(difference, shear.mul_add(shear, -(most * most)));
-                let radius = Lanes::load(&r[k..]) + Lanes::splat(origin);
-                let closing = Lanes::splat(1.01 * CLOSING[0]).mul_add(size, -radius);
-                let inside = surface[eight].iter().fold(true, |all, code| all & (*code != BOUNDARY));
-                inside && (-(uneven.max(closing))).all_positive()
-            };
-            for k in 0..r.len() {
-                if k % WIDTH == 0 {
-                    quiet = !everywhere && r.len() - k >= WIDTH && is_quiet(k, r);
-                }
-                if quiet {
-                    continue;
-                }
-                let i = start + k;
-                let radius = r[k] + origin;
-                let support = 4.0 * theta * size[i];
-                let needed = if everywhere || surface[i] == BOUNDARY {
-                    1.0
-                } else {
-                    let moment = Moment { rr: rr[i], rz: rz[i], zz: zz[i] };
-                    if !moment.is_anisotropic(UNEVEN[0]) && radius >= CLOSING[0] * size[i] {
-                        continue;
-                    }
-                    ramp(moment.anisotropy(), UNEVEN).max(ramp(radius / size[i], CLOSING))
-                };
-                let speed = match &deformation {
-                    Some([rr, shear, zz]) => {
-                        let square = rr[i] * rr[i] + zz[i] * zz[i] + 0.5 * shear[i] * shear[i];
-                        (support * (square.sqrt() - GENTLE * rate).max(0.0)).min(speed)
-                    }
-                    None => speed,
-                };
-                let factor = needed * coefficient * speed * bound.step_size * support;
-                let shift = [-factor * crowding_r[i], -factor * crowding_z[i]];
-                let outwards = everywhere && surface[i] == NEAR_BOUNDARY;
-                let shift = match outwards {
-                    true => shift,
-                    false => along_surface(shift, [weight_r[i], weight_z[i]], surface[i]),
-                };
-                let length = (shift[0] * shift[0] + shift[1] * shift[1]).sqrt();
-                let keep = if length > CAP * size[i] { CAP * size[i] / length } else { 1.0 };
-                // A shift must not carry a particle to the axis.
-                let room = (radius - CLOSED * size[i]).max(0.0);
-                let shift = [(keep * shift[0]).max(-0.5 * room), keep * shift[1]];
+        let columns = Columns {
+            crowding: self.crowding.map(|field| chunk.read(field)),
+            deformation: self.deformation.map(|fields| fields.map(|field| chunk.read(field))),
+            weight: self.weight.map(|field| chunk.read(field)),
+            step_size,
+        };
+        let [mut r, mut z] = self.position.map(|field| chunk.write(field));
+        let Strength { origin, everywhere, .. } = self.strength;
+        if everywhere {
+            let shift = |k: usize| self.shift(&columns, &packed, k, (r[k] + origin, 1.0));
+            let found = self.carrying.as_ref().map(|carrying| carrying.carry(chunk, shift));
+            for k in 0..chunk.len() {
+                let shift = self.shift(&columns, &packed, k, (r[k] + origin, 1.0));
                 r[k] += shift[0];
                 z[k] += shift[1];
-                if let Some(noted) = &mut noted {
-                    noted[k] = shift;
-                }
             }
-        });
+            return found.unwrap_or_default();
+        }
+        let mut quiet = false;
+        for k in 0..chunk.len() {
+            // Most particles need no shift: eight of them are tested at once for it.
+            if k % WIDTH == 0 {
+                let whole = chunk.len() - k >= WIDTH;
+                quiet = whole && packed.are_quiet(k, Lanes::load(&r[k..]) + Lanes::splat(origin));
+            }
+            let radius = r[k] + origin;
+            let needed = if quiet { 0.0 } else { packed.need(k, radius) };
+            if needed > 0.0 {
+                let shift = self.shift(&columns, &packed, k, (radius, needed));
+                r[k] += shift[0];
+                z[k] += shift[1];
+            }
+        }
+        [0.0; 2]
+    }
+
+    fn finish(&mut self, world: &mut World, found: Partial) -> Result<(), Fault> {
         if let Some(carrying) = &self.carrying {
-            carrying.run(world, self.moment, shifts);
+            carrying.balance(world, found);
         }
         Ok(())
     }

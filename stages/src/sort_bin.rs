@@ -2,6 +2,7 @@
 
 use crate::equation_of_state::Packing;
 use crate::fields;
+use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
 use meniscus_engine::lanes::{Lanes, WIDTH};
 use meniscus_engine::morton;
 use meniscus_engine::neighbours::{NeighbourList, WINDOW};
@@ -49,29 +50,13 @@ impl SortBin {
         }
     }
 
-    /// Whether every particle lies within the circle for which the list was built; not so for a NaN.
+    /// Whether every particle lies within the circle for which the list was built.
     fn is_valid(&self, world: &World) -> bool {
         let [r, z] = self.position.map(|field| world.store.write(field));
-        let [list_r, list_z, list_reach] = self.listed.map(|field| world.store.write(field));
+        let listed = self.listed.map(|field| world.store.write(field));
         let (density, mass) = (world.store.read(self.density), world.store.read(self.mass));
-        let columns =
-            ((&r[..], &z[..], &density[..], &mass[..]), (&list_r[..], &list_z[..], &list_reach[..]));
-        let origin = Lanes::splat(self.packing.domain.origin);
-        let largest = Lanes::splat(self.packing.largest_size);
-        let (two_pi, two_theta) = (Lanes::splat(2.0 * PI), Lanes::splat(2.0 * self.packing.theta));
-        type Columns<'a> = ((&'a [f64], &'a [f64], &'a [f64], &'a [f64]), (&'a [f64], &'a [f64], &'a [f64]));
-        let body = |_: usize, ((r, z, density, mass), (list_r, list_z, list_reach)): Columns, len: usize| {
-            (0..len).step_by(WIDTH).all(|k| {
-                let load = |column: &[f64], fill| Lanes::load_or(&column[k..len.min(k + WIDTH)], fill);
-                let radius = load(r, 1.0);
-                let (dr, dz) = (radius - load(list_r, 1.0), load(z, 0.0) - load(list_z, 0.0));
-                let area = load(mass, 0.0) / (two_pi * (radius + origin) * load(density, 1.0));
-                let reach = two_theta * area.sqrt().min(largest);
-                let room = load(list_reach, 1.0) - reach;
-                room.all_positive() && (room * room - dr.mul_add(dr, dz * dz)).all_positive()
-            })
-        };
-        parallel::fold_chunks(r.len(), columns, &body, &|a, b| a && b)
+        let listed = listed.each_ref().map(|column| &column[..]);
+        self.packing.are_within([&r, &z, &density, &mass], listed)
     }
 
     /// Calls `build` with list and places. This is the first stage: Derived columns hold nothing yet, and lend the
@@ -163,10 +148,76 @@ impl Stage for SortBin {
             self.with_list(world, |list, points| list.build(points, &self.packing.domain));
         }
         // A NaN builds the list, too, and goes on to the stage that names it.
-        let valid = !world.neighbours.is_empty() && self.is_valid(world);
-        if !valid {
+        let checked = world.neighbours.still_holds.take().filter(|_| !world.store.is_changed());
+        let holds = !world.neighbours.is_empty() && checked.unwrap_or_else(|| self.is_valid(world));
+        if !holds {
             self.renew(world);
+            world.rows.are_current = false;
         }
+        Ok(())
+    }
+}
+
+impl Packing {
+    /// Whether particles (columns r, z, density and mass) lie within the circles for which the list was built (r, z and
+    /// reach), all in SI units; not so for a NaN.
+    fn are_within(
+        &self,
+        [r, z, density, mass]: [&[f64]; 4],
+        [list_r, list_z, list_reach]: [&[f64]; 3],
+    ) -> bool {
+        let origin = Lanes::splat(self.domain.origin);
+        let largest = Lanes::splat(self.largest_size);
+        let (two_pi, two_theta) = (Lanes::splat(2.0 * PI), Lanes::splat(2.0 * self.theta));
+        (0..r.len()).step_by(WIDTH).all(|k| {
+            let load = |column: &[f64], fill| Lanes::load_or(&column[k..r.len().min(k + WIDTH)], fill);
+            let radius = load(r, 1.0);
+            let (dr, dz) = (radius - load(list_r, 1.0), load(z, 0.0) - load(list_z, 0.0));
+            let area = load(mass, 0.0) / (two_pi * (radius + origin) * load(density, 1.0));
+            let reach = two_theta * area.sqrt().min(largest);
+            let room = load(list_reach, 1.0) - reach;
+            room.all_positive() && (room * room - dr.mul_add(dr, dz * dz)).all_positive()
+        })
+    }
+}
+
+/// Looks at the end of a step whether the list still holds for the next one, while the particles lie in the cache.
+pub struct ListCheck {
+    packing: Packing,
+    particles: [Read<f64>; 4],
+    listed: [Read<f64>; 3],
+}
+
+impl ListCheck {
+    /// `packing` gives the support of a pair.
+    pub fn new(wiring: &mut Wiring, packing: Packing) -> Self {
+        wiring.stage("list-check");
+        let particles = [&fields::RADIUS, &fields::AXIAL, &fields::DENSITY, &fields::MASS];
+        let listed = [&fields::LIST_RADIUS, &fields::LIST_AXIAL, &fields::LIST_REACH];
+        ListCheck {
+            packing,
+            particles: particles.map(|field| wiring.read(field)),
+            listed: listed.map(|field| wiring.read(field)),
+        }
+    }
+}
+
+impl ChunkStage for ListCheck {
+    fn name(&self) -> &'static str {
+        "list-check"
+    }
+
+    /// Above zero where it doesn't hold.
+    fn chunk(&self, _: &Around, chunk: &Chunk) -> Partial {
+        let particles = self.particles.map(|field| chunk.read(field));
+        let listed = self.listed.map(|field| chunk.read(field));
+        let particles = particles.each_ref().map(|column| &column[..]);
+        let holds = self.packing.are_within(particles, listed.each_ref().map(|column| &column[..]));
+        [if holds { 0.0 } else { 1.0 }, 0.0]
+    }
+
+    fn finish(&mut self, world: &mut World, [fails, _]: Partial) -> Result<(), Fault> {
+        world.neighbours.still_holds = Some(fails == 0.0);
         Ok(())
     }
 }

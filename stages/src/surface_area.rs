@@ -38,7 +38,7 @@ pub struct SurfaceArea {
     surface: Read<u32>,
     offset: [Read<f64>; 2],
     tangent: [Read<f64>; 2],
-    moment: [Read<f64>; 3],
+    lack_of_support: [Read<f64>; 3],
     weight: [Add<f64>; 2],
     lack: [Update<f64>; 2],
     numbers: Vec<u32>,
@@ -51,7 +51,7 @@ impl SurfaceArea {
     /// Computes delta whenever the curvature is computed.
     pub fn new(wiring: &mut Wiring, packing: Packing) -> Self {
         wiring.stage("surface-area");
-        let moment = [&fields::MOMENT_RR, &fields::MOMENT_RZ, &fields::MOMENT_ZZ];
+        let support = [&fields::SUPPORT_LACK_RR, &fields::SUPPORT_LACK_RZ, &fields::SUPPORT_LACK_ZZ];
         SurfaceArea {
             packing,
             position: [wiring.read(&fields::RADIUS), wiring.read(&fields::AXIAL)],
@@ -59,7 +59,7 @@ impl SurfaceArea {
             surface: wiring.read(&fields::SURFACE),
             offset: [wiring.read(&fields::SURFACE_OFFSET_R), wiring.read(&fields::SURFACE_OFFSET_Z)],
             tangent: [wiring.read(&fields::SURFACE_TANGENT_R), wiring.read(&fields::SURFACE_TANGENT_Z)],
-            moment: moment.map(|field| wiring.read(field)),
+            lack_of_support: support.map(|field| wiring.read(field)),
             weight: [wiring.add(&fields::GHOST_WEIGHT_R), wiring.add(&fields::GHOST_WEIGHT_Z)],
             lack: [wiring.update(&fields::AREA_LACK_R), wiring.update(&fields::AREA_LACK_Z)],
             numbers: Vec::new(),
@@ -75,7 +75,7 @@ impl SurfaceArea {
         let [offset_r, offset_z] = self.offset.map(|field| world.store.read(field));
         let [tangent_r, tangent_z] = self.tangent.map(|field| world.store.read(field));
         let [weight_r, weight_z] = self.weight.map(|field| world.store.write(field));
-        let [rr, rz, zz] = self.moment.map(|field| world.store.read(field));
+        let [rr, rz, zz] = self.lack_of_support.map(|field| world.store.read(field));
         let (size, surface) = (world.store.read(self.size), world.store.read(self.surface));
         let Packing { largest_size, domain, .. } = self.packing;
         self.numbers.clear();
@@ -92,7 +92,7 @@ impl SurfaceArea {
             let nearest = 0.5 * size[i].min(largest_size);
             let ring = ((r[i] + domain.origin) / (foot[0] + domain.origin).max(nearest)).clamp(0.5, 1.5);
             let area = size[i] * size[i] * ring;
-            let missing = Moment { rr: 1.0 - rr[i], rz: -rz[i], zz: 1.0 - zz[i] }.apply(tangent);
+            let missing = Moment { rr: rr[i], rz: rz[i], zz: zz[i] }.apply(tangent);
             SurfaceParticle {
                 is_boundary: surface[i] == BOUNDARY,
                 size: size[i].min(largest_size),

@@ -16,7 +16,7 @@ pub const INVERTIBLE: f64 = 0.2;
 /// -(I - L) grad_s P_L.
 pub struct TangentialPressure {
     surface: Read<u32>,
-    moment: [Read<f64>; 3],
+    lack: [Read<f64>; 3],
     slope: [Read<f64>; 2],
     force: [Add<f64>; 2],
 }
@@ -28,15 +28,16 @@ impl TangentialPressure {
         let force = [&fields::SURFACE_FORCE_R, &fields::SURFACE_FORCE_Z];
         TangentialPressure {
             surface: wiring.read(&fields::SURFACE),
-            moment: moment(wiring),
+            lack: support_lack(wiring),
             slope: [wiring.read(&fields::LAPLACE_SLOPE_R), wiring.read(&fields::LAPLACE_SLOPE_Z)],
             force: force.map(|field| wiring.add(field)),
         }
     }
 }
 
-fn moment(wiring: &mut Wiring) -> [Read<f64>; 3] {
-    [&fields::MOMENT_RR, &fields::MOMENT_RZ, &fields::MOMENT_ZZ].map(|field| wiring.read(field))
+fn support_lack(wiring: &mut Wiring) -> [Read<f64>; 3] {
+    [&fields::SUPPORT_LACK_RR, &fields::SUPPORT_LACK_RZ, &fields::SUPPORT_LACK_ZZ]
+        .map(|field| wiring.read(field))
 }
 
 impl Stage for TangentialPressure {
@@ -47,14 +48,14 @@ impl Stage for TangentialPressure {
     fn run(&mut self, world: &mut World) -> Result<(), Fault> {
         let store = &world.store;
         let surface = store.read(self.surface);
-        let [rr, rz, zz] = self.moment.map(|field| store.read(field));
+        let [rr, rz, zz] = self.lack.map(|field| store.read(field));
         let [slope_r, slope_z] = self.slope.map(|field| store.read(field));
         let [mut force_r, mut force_z] = self.force.map(|field| store.write(field));
         let columns = (&mut force_r[..], &mut force_z[..]);
         parallel::for_chunks(surface.len(), columns, |start, (force_r, force_z)| {
             for_surface(&surface[start..start + force_r.len()], |k| {
                 let i = start + k;
-                let missing = Moment { rr: 1.0 - rr[i], rz: -rz[i], zz: 1.0 - zz[i] };
+                let missing = Moment { rr: rr[i], rz: rz[i], zz: zz[i] };
                 let [r, z] = missing.apply([slope_r[i], slope_z[i]]);
                 force_r[k] -= r;
                 force_z[k] -= z;
@@ -64,11 +65,12 @@ impl Stage for TangentialPressure {
     }
 }
 
-/// S: the pair sum of the strain rate is short at the surface by tr(T L^{-1}) - tr(T).
+/// S: the pair sum of the strain rate is short at the surface by tr(T L^{-1}) - tr(T), which is G : (I - L) with the
+/// velocity gradient G = T L^{-1}. (L is symmetric: of G only the rate of deformation counts.)
 pub struct StrainCorrection {
     surface: Read<u32>,
-    moment: [Read<f64>; 3],
-    velocity_sum: [Read<f64>; 4],
+    lack: [Read<f64>; 3],
+    deformation: [Read<f64>; 3],
     strain_rate: Add<f64>,
 }
 
@@ -76,16 +78,11 @@ impl StrainCorrection {
     /// Adds to the strain rate.
     pub fn new(wiring: &mut Wiring) -> Self {
         wiring.stage("strain-correction");
-        let sum = [
-            &fields::VELOCITY_SUM_RR,
-            &fields::VELOCITY_SUM_RZ,
-            &fields::VELOCITY_SUM_ZR,
-            &fields::VELOCITY_SUM_ZZ,
-        ];
+        let deformation = [&fields::DEFORMATION_RR, &fields::DEFORMATION_SHEAR, &fields::DEFORMATION_ZZ];
         StrainCorrection {
             surface: wiring.read(&fields::SURFACE),
-            moment: moment(wiring),
-            velocity_sum: sum.map(|field| wiring.read(field)),
+            lack: support_lack(wiring),
+            deformation: deformation.map(|field| wiring.read(field)),
             strain_rate: wiring.add(&fields::STRAIN_RATE),
         }
     }
@@ -99,18 +96,13 @@ impl Stage for StrainCorrection {
     fn run(&mut self, world: &mut World) -> Result<(), Fault> {
         let store = &world.store;
         let surface = store.read(self.surface);
-        let [rr, rz, zz] = self.moment.map(|field| store.read(field));
-        let sum = self.velocity_sum.map(|field| store.read(field));
+        let lack = self.lack.map(|field| store.read(field));
+        let deformation = self.deformation.map(|field| store.read(field));
         let mut strain_rate = store.write(self.strain_rate);
         parallel::for_chunks(surface.len(), &mut strain_rate[..], |start, strain_rate| {
             for_surface(&surface[start..start + strain_rate.len()], |k| {
                 let i = start + k;
-                let moment = Moment { rr: rr[i], rz: rz[i], zz: zz[i] };
-                if moment.eigenvalues_at_least(INVERTIBLE) {
-                    let sum = std::array::from_fn(|c| sum[c][i]);
-                    let gradient = moment.solve(sum);
-                    strain_rate[k] += (gradient[0] + gradient[3]) - (sum[0] + sum[3]);
-                }
+                strain_rate[k] += (0..3).map(|c| deformation[c][i] * lack[c][i]).sum::<f64>();
             });
         });
         Ok(())

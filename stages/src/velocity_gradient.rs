@@ -1,11 +1,11 @@
 //! The velocity gradient for the reconstruction, and how fast it changes.
 
 use crate::fields;
-use crate::moment::Moment;
 use crate::surface_corrections::INVERTIBLE;
-use meniscus_engine::parallel;
-use meniscus_engine::pipeline::{Fault, Stage, World};
-use meniscus_engine::store::{Read, Update};
+use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
+use meniscus_engine::lanes::{Lanes, WIDTH};
+use meniscus_engine::pipeline::{Fault, World};
+use meniscus_engine::store::{Read, Update, Write};
 use meniscus_engine::wiring::Wiring;
 
 /// How fast the smoothed rate follows, per step.
@@ -19,11 +19,14 @@ pub struct VelocityGradient {
     velocity_sum: [Read<f64>; 4],
     deformation: [Update<f64>; 3],
     change: [Update<f64>; 3],
+    rotation: Option<Write<f64>>,
+    /// One over the length of the last step, and how fast the smoothed rate follows.
+    rates: [f64; 2],
 }
 
 impl VelocityGradient {
-    /// Updates the rate of deformation and its change.
-    pub fn new(wiring: &mut Wiring) -> Self {
+    /// Updates the rate of deformation and its change; `with_rotation` where somebody needs the whole gradient.
+    pub fn new(wiring: &mut Wiring, with_rotation: bool) -> Self {
         wiring.stage("velocity-gradient");
         let moment = [&fields::MOMENT_RR, &fields::MOMENT_RZ, &fields::MOMENT_ZZ];
         let sum = [
@@ -43,47 +46,63 @@ impl VelocityGradient {
             velocity_sum: sum.map(|field| wiring.read(field)),
             deformation: deformation.map(|field| wiring.update(field)),
             change: change.map(|field| wiring.update(field)),
+            rotation: with_rotation.then(|| wiring.write(&fields::ROTATION)),
+            rates: [0.0; 2],
         }
     }
 }
 
-impl Stage for VelocityGradient {
+impl ChunkStage for VelocityGradient {
     fn name(&self) -> &'static str {
         "velocity-gradient"
     }
 
-    fn run(&mut self, world: &mut World) -> Result<(), Fault> {
+    fn prepare(&mut self, world: &mut World) -> Result<(), Fault> {
         let elapsed = world.clock.previous_step_size;
-        let (inverse_elapsed, follow) = if elapsed > 0.0 { (1.0 / elapsed, RELAXATION) } else { (0.0, 0.0) };
-        let store = &world.store;
-        let [rr, rz, zz] = self.moment.map(|field| store.read(field));
-        let [sum_rr, sum_rz, sum_zr, sum_zz] = self.velocity_sum.map(|field| store.read(field));
-        let [mut g0, mut g1, mut g2] = self.deformation.map(|field| store.write(field));
-        let [mut s0, mut s1, mut s2] = self.change.map(|field| store.write(field));
-        let columns = (
-            (&rr[..], &rz[..], &zz[..]),
-            (&sum_rr[..], &sum_rz[..], &sum_zr[..], &sum_zz[..]),
-            (&mut g0[..], &mut g1[..], &mut g2[..]),
-            (&mut s0[..], &mut s1[..], &mut s2[..]),
-        );
-        parallel::for_chunks(rr.len(), columns, |_, (moment, sum, gradient, change)| {
-            let len = moment.0.len();
-            let (rr, rz, zz) = (&moment.0[..len], &moment.1[..len], &moment.2[..len]);
-            let sum = [&sum.0[..len], &sum.1[..len], &sum.2[..len], &sum.3[..len]];
-            let gradient = [&mut gradient.0[..len], &mut gradient.1[..len], &mut gradient.2[..len]];
-            let change = [&mut change.0[..len], &mut change.1[..len], &mut change.2[..len]];
-            for i in 0..len {
-                let moment = Moment { rr: rr[i], rz: rz[i], zz: zz[i] };
-                let now = moment.solve([sum[0][i], sum[1][i], sum[2][i], sum[3][i]]);
-                let usable = moment.eigenvalues_at_least(INVERTIBLE);
-                let now = [now[0], now[1] + now[2], now[3]].map(|g| if usable { g } else { 0.0 });
-                for c in 0..3 {
-                    let rate = (now[c] - gradient[c][i]) * inverse_elapsed;
-                    change[c][i] += follow * (rate - change[c][i]);
-                    gradient[c][i] = now[c];
-                }
-            }
-        });
+        self.rates = if elapsed > 0.0 { [1.0 / elapsed, RELAXATION] } else { [0.0; 2] };
         Ok(())
     }
+
+    fn chunk(&self, _: &Around, chunk: &Chunk) -> Partial {
+        let [l_rr, l_rz, l_zz] = self.moment.map(|field| chunk.read(field));
+        let [t_rr, t_rz, t_zr, t_zz] = self.velocity_sum.map(|field| chunk.read(field));
+        let mut gradient = self.deformation.map(|field| chunk.write(field));
+        let mut change = self.change.map(|field| chunk.write(field));
+        let mut rotation = self.rotation.map(|field| chunk.write(field));
+        let [inverse_elapsed, follow] = self.rates.map(Lanes::splat);
+        for first in (0..chunk.len()).step_by(WIDTH) {
+            let eight = first..chunk.len().min(first + WIDTH);
+            let load = |column: &[f64], fill| Lanes::load_or(&column[eight.clone()], fill);
+            let moment = [load(&l_rr, 1.0), load(&l_rz, 0.0), load(&l_zz, 1.0)];
+            let sum = [load(&t_rr, 0.0), load(&t_rz, 0.0), load(&t_zr, 0.0), load(&t_zz, 0.0)];
+            let [rr, rz, zr, zz] = solve(moment, sum);
+            if let Some(rotation) = &mut rotation {
+                (rz - zr).store(&mut rotation[eight.clone()]);
+            }
+            for (c, now) in [rr, rz + zr, zz].into_iter().enumerate() {
+                let rate = (now - load(&gradient[c], 0.0)) * inverse_elapsed;
+                let before = load(&change[c], 0.0);
+                follow.mul_add(rate - before, before).store(&mut change[c][eight.clone()]);
+                now.store(&mut gradient[c][eight.clone()]);
+            }
+        }
+        [0.0; 2]
+    }
+}
+
+/// T L^{-1} for L in the order rr, rz, zz and T in the order rr, rz, zr, zz (velocity component, direction); zero
+/// where an eigenvalue of L is too small.
+#[inline(always)]
+fn solve([rr, rz, zz]: [Lanes; 3], sum: [Lanes; 4]) -> [Lanes; 4] {
+    let inverse = Lanes::ONE / rz.neg_mul_add(rz, rr * zz);
+    let least = Lanes::splat(INVERTIBLE);
+    // As Moment::eigenvalues_at_least has it.
+    let (above_rr, above_zz) = (rr - least, zz - least);
+    let usable = (above_rr + above_zz).min(rz.neg_mul_add(rz, above_rr * above_zz));
+    let zero = Lanes::splat(-f64::MIN_POSITIVE);
+    let by = |direct: Lanes, across: Lanes, own: Lanes| {
+        let solved = rz.neg_mul_add(across, own * direct) * inverse;
+        usable.select_greater(zero, solved, Lanes::ZERO)
+    };
+    [by(sum[0], sum[1], zz), by(sum[1], sum[0], rr), by(sum[2], sum[3], zz), by(sum[3], sum[2], rr)]
 }

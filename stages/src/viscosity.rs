@@ -1,8 +1,8 @@
 //! Viscosity: its force joins the other dissipative ones and bounds the time step.
 
 use crate::fields;
-use meniscus_engine::parallel;
-use meniscus_engine::pipeline::{Fault, Stage, World};
+use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
+use meniscus_engine::pipeline::{Fault, World};
 use meniscus_engine::store::{Add, Read};
 use meniscus_engine::wiring::Wiring;
 
@@ -44,32 +44,39 @@ impl Viscosity {
             [&fields::RADIUS, &fields::DENSITY, &fields::SIZE].map(|field| wiring.read(field));
         Viscosity { viscosity, origin, radius, density, size, force, power }
     }
-
-    fn longest_step(&self, world: &World) -> f64 {
-        let [r, density, size] = [self.radius, self.density, self.size].map(|field| world.store.read(field));
-        let (r, density, size) = (&r[..], &density[..], &size[..]);
-        let fastest = parallel::maximum(r.len(), |i| {
-            let radius = r[i] + self.origin;
-            (FASTEST / (size[i] * size[i]) + 1.0 / (radius * radius)) / density[i]
-        });
-        LARGEST / (self.viscosity * fastest)
-    }
 }
 
-impl Stage for Viscosity {
+impl ChunkStage for Viscosity {
     fn name(&self) -> &'static str {
         "viscosity"
     }
 
-    fn run(&mut self, world: &mut World) -> Result<(), Fault> {
+    /// The fastest rate that bounds the step, over mu.
+    fn chunk(&self, _: &Around, chunk: &Chunk) -> Partial {
         for (part, whole) in self.force.into_iter().chain(self.power) {
-            let (part, mut whole) = (world.store.read(part), world.store.write(whole));
-            parallel::for_chunks(part.len(), (&part[..], &mut whole[..]), |_, (part, whole)| {
-                whole.iter_mut().zip(part).for_each(|(whole, part)| *whole += part);
-            });
+            let (part, mut whole) = (chunk.read(part), chunk.write(whole));
+            whole.iter_mut().zip(&*part).for_each(|(whole, part)| *whole += part);
         }
-        let longest = self.longest_step(world);
-        world.clock.limit("viscous", longest);
+        let [r, density, size] = [self.radius, self.density, self.size].map(|field| chunk.read(field));
+        let fastest = (0..r.len()).fold(0.0, |fastest, i| {
+            let radius = r[i] + self.origin;
+            let rate = (FASTEST / (size[i] * size[i]) + 1.0 / (radius * radius)) / density[i];
+            larger(fastest, rate)
+        });
+        [fastest, 0.0]
+    }
+
+    fn combine(&self, left: Partial, right: Partial) -> Partial {
+        [larger(left[0], right[0]), 0.0]
+    }
+
+    fn finish(&mut self, world: &mut World, [fastest, _]: Partial) -> Result<(), Fault> {
+        world.clock.limit("viscous", LARGEST / (self.viscosity * fastest));
         Ok(())
     }
+}
+
+/// The larger one; NaN wins over everything.
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b || a.is_nan() { a } else { b }
 }

@@ -6,6 +6,7 @@ use meniscus_cases::assemble::{Assembly, Physics, assemble};
 use meniscus_cases::scene::{AxisTreatment, Flux, Method, Recoil, ReferencePressure, Scheme};
 use meniscus_engine::clock::Clock;
 use meniscus_engine::pipeline::{Pipeline, World};
+use meniscus_stages::surface::NEAR_BOUNDARY;
 use std::f64::consts::PI;
 
 /// Particle size of the block in m.
@@ -138,6 +139,7 @@ impl Block {
     pub fn new(physics: &Physics, particles: &[Particle]) -> Self {
         let Assembly { wiring, pipeline, .. } = assemble(physics).expect("a pipeline");
         let mut store = wiring.allocate(particles.len());
+        store.keep_transients();
         let identity: Vec<u32> = (0..particles.len() as u32).collect();
         store.set("identity", &identity);
         let mut set = |name: &str, value: &dyn Fn(&Particle) -> f64| {
@@ -160,6 +162,8 @@ impl Block {
             set(DEFORMATION[1], &|p| p.gradient[0][1] + p.gradient[1][0]),
             set(DEFORMATION[2], &|p| p.gradient[1][1]),
         ];
+        // Everyone counts as near the surface at first, so that what ghosts need is kept of all.
+        store.set("surface", &vec![NEAR_BOUNDARY; particles.len()]);
         let reconstructs = physics.method.flux == Flux::Reconstructed;
         assert!(!reconstructs || deformation == [true; 3], "a column is missing");
         Block { world: World::new(store, Clock::default()), pipeline }

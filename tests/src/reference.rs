@@ -209,8 +209,8 @@ impl Medium {
             }
         }
         let spacing = 0.5 * (self.size(a) + self.size(b));
-        let nearness = wendland(q) / wendland(spacing / support);
-        add(&mut sums.crowding, (1.0 + 0.2 * nearness.powi(4)) * area * g, e);
+        let nearness = (1.0 - q) / (1.0 - spacing / support);
+        add(&mut sums.crowding, (1.0 + 0.2 * nearness.powi(12)) * area * g, e);
 
         let weight = if self.near_axis(a) {
             2.0 * area
@@ -265,11 +265,6 @@ struct Star {
     pressure: f64,
     resistance: f64,
     velocity: f64,
-}
-
-/// (1 + 4 q)(1 - q)^4, the Wendland C2 kernel without its constant.
-fn wendland(q: f64) -> f64 {
-    (1.0 + 4.0 * q) * (1.0 - q).powi(4)
 }
 
 /// The harmonic mean where both have one sign, else zero.

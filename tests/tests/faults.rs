@@ -76,7 +76,7 @@ fn a_particle_across_the_axis_is_named() {
     let (mut simulation, identity) = spoiled(&[("radius", 1e-9), ("velocity_r", -1e4)]);
     let fault = first_fault(&mut simulation, 50).expect("a fault");
     println!("{fault}");
-    assert_eq!((fault.stage, fault.particle), ("integrate", identity), "{fault}");
+    assert_eq!((fault.stage, fault.particle), ("time-step", identity), "{fault}");
 }
 
 #[test]

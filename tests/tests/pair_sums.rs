@@ -81,7 +81,7 @@ fn compare(physics: &Physics, particles: &[Particle], about: &str) {
         let force = differ(&column("force"), &column("surface_force"));
         agree("force", about, &force, &pick(&|s| s.force[k]));
         agree("dissipation", about, &column("dissipation"), &pick(&|s| s.dissipation[k]));
-        agree("ghost_weight", about, &column("ghost_weight"), &pick(&|s| s.ghost_weight[k]));
+        agree("ghost_weight", about, &column("ghost_weight_sum"), &pick(&|s| s.ghost_weight[k]));
         if physics.method.shifting.is_none_or(|coefficient| coefficient > 0.0) {
             agree("crowding", about, &column("crowding"), &pick(&|s| s.crowding[k]));
         }

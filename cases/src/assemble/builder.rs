@@ -5,7 +5,7 @@ use crate::scene::{
     AxisTreatment, Curvature, FREE_SHIFTING, FREE_SHIFTING_THETA, Flux, Recoil, ReferencePressure, SHIFTING,
     Scheme, TimeIntegration,
 };
-use meniscus_engine::pipeline::Stage;
+use meniscus_engine::pipeline::AnyStage;
 use meniscus_engine::wiring::Wiring;
 use meniscus_stages::axis_contact::AxisContact;
 use meniscus_stages::boundary_detect::{BoundaryDetect, ColourGuard};
@@ -18,21 +18,23 @@ use meniscus_stages::drops::Drops;
 use meniscus_stages::equation_of_state::{Packing, Second, State};
 use meniscus_stages::fields;
 use meniscus_stages::ghost_coupling::GhostCoupling;
+use meniscus_stages::incomplete_support::IncompleteSupport;
 use meniscus_stages::initial_pressure::InitialPressure;
-use meniscus_stages::integrate::{self, Courant, Integrate};
+use meniscus_stages::integrate::{self, Integrate};
 use meniscus_stages::kernel_correction::KernelCorrection;
 use meniscus_stages::liquids::EquationOfState;
 use meniscus_stages::record::Precision;
 use meniscus_stages::reference_pressure;
 use meniscus_stages::shifting::{Shifting, Strength};
-use meniscus_stages::sort_bin::SortBin;
+use meniscus_stages::sort_bin::{ListCheck, SortBin};
 use meniscus_stages::surface_area::SurfaceArea;
 use meniscus_stages::surface_corrections::{StrainCorrection, TangentialPressure};
+use meniscus_stages::time_step::{Courant, TimeStep};
 use meniscus_stages::velocity_gradient::VelocityGradient;
 use meniscus_stages::viscosity::Viscosity;
 use std::sync::{Arc, Mutex};
 
-pub(super) type Stages = Vec<Box<dyn Stage>>;
+pub(super) type Stages = Vec<AnyStage>;
 
 /// A pipeline under way.
 pub(super) struct Builder<'a> {
@@ -91,14 +93,20 @@ impl Builder<'_> {
         self.physics.viscosity > 0.0
     }
 
-    /// The reconstruction and viscosity start from the velocity gradient.
-    fn with_gradient(&self) -> bool {
-        self.reconstructs() || self.with_viscosity()
+    /// The reconstruction, viscosity and the strain's correction start from the velocity gradient.
+    pub(super) fn with_gradient(&self) -> bool {
+        self.reconstructs() || self.with_viscosity() || self.corrects_strain()
     }
 
-    /// The moment matrix and the velocity sums serve the gradient and the strain's correction.
-    pub(super) fn with_sums(&self) -> bool {
-        self.with_gradient() || self.corrects_strain()
+    /// Whether particles shift everywhere, not only where it is needed.
+    fn shifts_everywhere(&self) -> bool {
+        self.shifting() > 0.0 && !self.with_tension()
+    }
+
+    /// Whether velocities are carried along the shifts. The energy equation knows nothing of a velocity that changes
+    /// so.
+    fn with_carrying(&self) -> bool {
+        self.shifts_everywhere() && self.reconstructs() && !self.with_energy()
     }
 
     pub(super) fn reconstructs(&self) -> bool {
@@ -128,7 +136,8 @@ impl Builder<'_> {
         self.with_tension() && self.physics.method.strain_correction
     }
 
-    fn state(&mut self) -> Box<dyn Stage> {
+    /// The equation of state at the start of a step, and the same at its end.
+    fn state(&mut self) -> [AnyStage; 2] {
         match self.physics.equation {
             Equation::Linear(equation) => self.state_of(equation),
             Equation::MieGrueneisen(equation) => self.state_of(equation),
@@ -136,28 +145,115 @@ impl Builder<'_> {
         }
     }
 
-    fn state_of<E: EquationOfState>(&mut self, equation: E) -> Box<dyn Stage> {
+    fn state_of<E: EquationOfState + Clone>(&mut self, equation: E) -> [AnyStage; 2] {
         let (second, precision) = (self.second_row(), self.physics.method.precision);
-        Box::new(State::new(&mut self.wiring, equation, self.packing, second, precision))
+        let anew = State::anew(&mut self.wiring, equation, self.packing, second, precision);
+        [AnyStage::chunks(anew.clone()), AnyStage::chunks(anew.ahead(&mut self.wiring))]
     }
 
-    fn sort(&mut self) -> Box<dyn Stage> {
-        Box::new(SortBin::new(&mut self.wiring, self.packing))
+    fn sort(&mut self) -> AnyStage {
+        AnyStage::whole(SortBin::new(&mut self.wiring, self.packing))
     }
 
     /// The stages of one time step, in their order.
     pub fn step(&mut self) -> Stages {
-        let method = self.physics.method.clone();
         let mut stages = Stages::new();
         self.plan("sort-bin", true, ("neighbours and memory order, anew when the skin is used up", ""));
         stages.push(self.sort());
-        self.plan("equation-of-state", true, ("pressure from density, packed rows", ""));
-        stages.push(self.state());
+        self.plan("state-anew", true, ("as equation-of-state, for a new list or a first step", ""));
+        let [anew, ahead] = self.state();
+        stages.push(anew);
         self.plan("flux", true, (&self.describe_flux(), ""));
         stages.push(self.flux());
+        self.neighbourhood(&mut stages);
+        self.other_forces(&mut stages);
+        self.surface(&mut stages);
+        self.motion(&mut stages);
+        self.plan("list-check", true, ("pairs must not be missed in the next step", ""));
+        stages.push(AnyStage::chunks(ListCheck::new(&mut self.wiring, self.packing)));
+        self.plan("equation-of-state", true, ("pressure from density, packed rows for the next step", ""));
+        stages.push(ahead);
+        stages
+    }
+
+    /// What follows from the sums over neighbours, particle by particle.
+    fn neighbourhood(&mut self, stages: &mut Stages) {
+        let reasons = ("the kernel sum is short", "not asked for");
+        if self.plan("kernel-correction", self.physics.method.kernel_correction, reasons) {
+            let with_surface = self.with_surface();
+            stages.push(AnyStage::chunks(KernelCorrection::new(&mut self.wiring, with_surface)));
+        }
+        let reasons = match (self.reconstructs(), self.with_viscosity()) {
+            (true, _) => ("the flux reconstructs velocities", ""),
+            (_, true) => ("viscosity needs gradients", ""),
+            _ => ("the strain's correction needs gradients", "the first-order flux needs no gradients"),
+        };
+        if self.plan("velocity-gradient", self.with_gradient(), reasons) {
+            stages.push(self.velocity_gradient());
+        }
+        let reasons = ("flows draw particles out into rows", "its coefficient is zero");
+        if self.plan("shifting", self.shifting() > 0.0, reasons) {
+            stages.push(self.shift());
+        }
+        let reasons = ("surface tension or shifting must know where neighbours lack", "nothing acts there");
+        if self.plan("incomplete-support", self.with_surface(), reasons) {
+            stages.push(self.incomplete_support());
+        }
+    }
+
+    fn velocity_gradient(&mut self) -> AnyStage {
+        let with_rotation = self.with_carrying();
+        AnyStage::chunks(VelocityGradient::new(&mut self.wiring, with_rotation))
+    }
+
+    fn incomplete_support(&mut self) -> AnyStage {
+        let with_ghosts = self.with_tension();
+        AnyStage::chunks(IncompleteSupport::new(&mut self.wiring, with_ghosts))
+    }
+
+    fn shift(&mut self) -> AnyStage {
+        let strength = Strength {
+            coefficient: self.shifting(),
+            speed: self.physics.shifting_speed,
+            rate: self.physics.capillary_rate,
+            theta: self.physics.method.theta,
+            origin: self.physics.domain.origin,
+            everywhere: self.shifts_everywhere(),
+        };
+        let with_deformation = self.reconstructs() && self.with_tension();
+        let carrying = self.with_carrying();
+        AnyStage::chunks(Shifting::new(&mut self.wiring, strength, with_deformation, carrying))
+    }
+
+    /// Forces within the liquid besides that of the contacts.
+    fn other_forces(&mut self, stages: &mut Stages) {
+        let reasons = ("the liquid is viscous", "the liquid has no viscosity");
+        let (origin, with_energy) = (self.physics.domain.origin, self.with_energy());
+        if self.plan("viscosity", self.with_viscosity(), reasons) {
+            let viscosity = self.physics.viscosity;
+            stages.push(AnyStage::chunks(Viscosity::new(&mut self.wiring, viscosity, origin, with_energy)));
+        }
+        let stiffness = self.physics.central_force;
+        let reasons = ("the scene has a central force", "the scene has none");
+        if self.plan("central-force", stiffness > 0.0, reasons) {
+            stages.push(AnyStage::chunks(CentralForce::new(&mut self.wiring, stiffness, origin)));
+        }
+        let method = &self.physics.method;
+        let without_images =
+            (method.scheme, method.axis) == (Scheme::HarmonicMean, AxisTreatment::Conservative);
+        let at_axis = origin == 0.0 && without_images && self.with_shocks();
+        let reasons = ("shocks may form on the axis", "no shocks, no axis, or images there");
+        if self.plan("axis-contact", at_axis, reasons) {
+            let (packing, slope) = (self.packing, self.physics.equation.shock_slope());
+            stages.push(AnyStage::chunks(AxisContact::new(&mut self.wiring, packing, slope)));
+        }
+    }
+
+    /// What acts at the surface.
+    fn surface(&mut self, stages: &mut Stages) {
         let reasons = ("drops have their own pressure and momentum", "nothing asks which drop is which");
         if self.plan("drops", self.with_drops(), reasons) {
-            stages.push(Box::new(Drops::new(&mut self.wiring, self.packing)));
+            stages.push(AnyStage::whole(Drops::new(&mut self.wiring, self.packing)));
         }
         let reasons = ("surface tension or shifting must know the surface", "nothing acts at the surface");
         if self.plan("boundary-detect", self.with_surface(), reasons) {
@@ -169,90 +265,54 @@ impl Builder<'_> {
         }
         let reasons = ("ghosts must add up to the contour's length", "not asked for, or no colour field");
         if self.plan("surface-area", self.with_slope(), reasons) {
-            stages.push(Box::new(SurfaceArea::new(&mut self.wiring, self.packing)));
+            stages.push(AnyStage::whole(SurfaceArea::new(&mut self.wiring, self.packing)));
         }
         let reasons = ("ghosts bring the Laplace pressure to the surface", "there is no surface tension");
         if self.plan("ghost-coupling", self.with_tension(), reasons) {
             let with_energy = self.with_energy();
-            stages.push(Box::new(GhostCoupling::new(&mut self.wiring, 0.0, true, with_energy)));
+            stages.push(AnyStage::whole(GhostCoupling::new(&mut self.wiring, 0.0, true, with_energy)));
         }
         let reasons = ("ghosts carry no gradient along the surface", "not asked for, or no colour field");
         if self.plan("tangential-pressure", self.with_slope(), reasons) {
-            stages.push(Box::new(TangentialPressure::new(&mut self.wiring)));
+            stages.push(AnyStage::whole(TangentialPressure::new(&mut self.wiring)));
         }
         let reasons = ("the pair sum of the strain is short at the surface", "not asked for, or no tension");
         if self.plan("strain-correction", self.corrects_strain(), reasons) {
-            stages.push(Box::new(StrainCorrection::new(&mut self.wiring)));
-        }
-        let reasons = ("surface forces join; they must not move the whole", "there is no surface tension");
-        if self.plan("correction", self.with_tension(), reasons) {
-            let recoil = method.momentum_correction;
-            stages.push(Box::new(MomentumCorrection::new(&mut self.wiring, recoil)));
-        }
-        let without_images =
-            (method.scheme, method.axis) == (Scheme::HarmonicMean, AxisTreatment::Conservative);
-        let at_axis = self.physics.domain.origin == 0.0 && without_images && self.with_shocks();
-        let reasons = ("shocks may form on the axis", "no shocks, no axis, or images there");
-        if self.plan("axis-contact", at_axis, reasons) {
-            let (packing, slope) = (self.packing, self.physics.equation.shock_slope());
-            stages.push(Box::new(AxisContact::new(&mut self.wiring, packing, slope)));
-        }
-        let reasons = ("the liquid is viscous", "the liquid has no viscosity");
-        let (origin, with_energy) = (self.physics.domain.origin, self.with_energy());
-        if self.plan("viscosity", self.with_viscosity(), reasons) {
-            let viscosity = self.physics.viscosity;
-            stages.push(Box::new(Viscosity::new(&mut self.wiring, viscosity, origin, with_energy)));
-        }
-        let stiffness = self.physics.central_force;
-        let reasons = ("the scene has a central force", "the scene has none");
-        if self.plan("central-force", stiffness > 0.0, reasons) {
-            stages.push(Box::new(CentralForce::new(&mut self.wiring, stiffness, origin)));
+            stages.push(AnyStage::whole(StrainCorrection::new(&mut self.wiring)));
         }
         let reasons = ("a constant pressure must not act on the packing's disorder", "not asked for");
         let reference = self.with_reference();
         if self.plan("reference-pressure", reference, reasons) {
             let stage = reference_pressure::ReferencePressure::new(&mut self.wiring);
-            stages.push(Box::new(stage));
+            stages.push(AnyStage::whole(stage));
         }
-        let reasons = ("the kernel sum is short", "not asked for");
-        if self.plan("kernel-correction", method.kernel_correction, reasons) {
-            let with_surface = self.with_surface();
-            stages.push(Box::new(KernelCorrection::new(&mut self.wiring, with_surface)));
-        }
-        let reasons = match self.reconstructs() {
-            true => ("the flux reconstructs velocities", ""),
-            false => ("viscosity needs gradients", "the first-order flux needs no gradients"),
-        };
-        if self.plan("velocity-gradient", self.with_gradient(), reasons) {
-            stages.push(Box::new(VelocityGradient::new(&mut self.wiring)));
+    }
+
+    /// What moves the particles.
+    fn motion(&mut self, stages: &mut Stages) {
+        self.plan("time-step", true, ("the longest that is stable for every particle", ""));
+        stages.push(self.time_step());
+        let reasons = ("surface forces join; they must not move the whole", "there is no surface tension");
+        if self.plan("correction", self.with_tension(), reasons) {
+            let recoil = self.physics.method.momentum_correction;
+            stages.push(AnyStage::chunks(MomentumCorrection::new(&mut self.wiring, recoil)));
         }
         self.plan("integrate", true, ("time moves on", ""));
         stages.push(self.integrate());
         // Pictures and files show the pressure: it counts as read.
         self.wiring.stage("outputs");
         self.wiring.read(&fields::PRESSURE);
-        let reasons = ("flows draw particles out into rows", "its coefficient is zero");
-        if self.plan("shifting", self.shifting() > 0.0, reasons) {
-            let strength = Strength {
-                coefficient: self.shifting(),
-                speed: self.physics.shifting_speed,
-                rate: self.physics.capillary_rate,
-                theta: method.theta,
-                origin: self.physics.domain.origin,
-                everywhere: !self.with_tension(),
-            };
-            let with_deformation = self.reconstructs() && self.with_tension();
-            // The energy equation knows nothing of a velocity that changes so.
-            let carrying = self.reconstructs() && !self.with_tension() && !self.with_energy();
-            stages.push(Box::new(Shifting::new(&mut self.wiring, strength, with_deformation, carrying)));
-        }
-        stages
     }
 
     /// The stages that run once before the first step: gradients to predict from, and the pressure.
     pub fn start(&mut self) -> Stages {
-        let mut stages = vec![self.sort(), self.state(), self.flux()];
+        let [anew, _] = self.state();
+        let mut stages = vec![self.sort(), anew, self.flux()];
+        if self.with_gradient() {
+            stages.push(self.velocity_gradient());
+        }
         if self.with_tension() {
+            stages.push(self.incomplete_support());
             stages.push(self.boundary());
             stages.push(self.curvature());
             stages.push(match self.physics.equation {
@@ -261,18 +321,15 @@ impl Builder<'_> {
                 Equation::IdealGas(equation) => self.initial_pressure(equation),
             });
         }
-        if self.with_gradient() {
-            stages.push(Box::new(VelocityGradient::new(&mut self.wiring)));
-        }
         stages
     }
 
-    fn initial_pressure<E: EquationOfState>(&mut self, equation: E) -> Box<dyn Stage> {
+    fn initial_pressure<E: EquationOfState>(&mut self, equation: E) -> AnyStage {
         let with_reference = self.with_reference();
-        Box::new(InitialPressure::new(&mut self.wiring, equation, self.packing, with_reference))
+        AnyStage::whole(InitialPressure::new(&mut self.wiring, equation, self.packing, with_reference))
     }
 
-    fn boundary(&mut self) -> Box<dyn Stage> {
+    fn boundary(&mut self) -> AnyStage {
         let method = &self.physics.method;
         // The colour-field curvature takes its particles from the guard's look-up.
         let colour = method.colour_guard > 0.0 || self.colour_curvature();
@@ -283,7 +340,7 @@ impl Builder<'_> {
             with_offset: self.colour_curvature(),
         });
         let interval = method.curvature_interval;
-        Box::new(BoundaryDetect::new(&mut self.wiring, self.packing, interval, guard))
+        AnyStage::whole(BoundaryDetect::new(&mut self.wiring, self.packing, interval, guard))
     }
 
     fn colour_curvature(&self) -> bool {
@@ -294,14 +351,14 @@ impl Builder<'_> {
         self.colour_curvature() && self.physics.method.tangential_pressure
     }
 
-    fn curvature(&mut self) -> Box<dyn Stage> {
+    fn curvature(&mut self) -> AnyStage {
         let (method, surface_tension) = (&self.physics.method, self.physics.surface_tension);
         if method.curvature == Curvature::NormalDivergence {
             let theta = method.normal_theta;
             let density = self.physics.reference_density;
             let stage =
                 CurvatureNormals::new(&mut self.wiring, self.packing, surface_tension, density, theta);
-            return Box::new(stage);
+            return AnyStage::whole(stage);
         }
         let settings = ColourCurvature {
             surface_tension,
@@ -311,21 +368,26 @@ impl Builder<'_> {
             sound_speed: self.physics.sound_speed,
             with_slope: self.with_slope(),
         };
-        Box::new(CurvatureColour::new(&mut self.wiring, self.packing, settings, self.colour.clone()))
+        let colour = self.colour.clone();
+        AnyStage::whole(CurvatureColour::new(&mut self.wiring, self.packing, settings, colour))
     }
 
-    fn integrate(&mut self) -> Box<dyn Stage> {
-        let scheme = match self.physics.method.time_integration {
-            TimeIntegration::AdamsBashforth => integrate::Scheme::AdamsBashforth,
-            TimeIntegration::Euler => integrate::Scheme::Euler,
-        };
+    fn time_step(&mut self) -> AnyStage {
         let courant = Courant {
             number: self.physics.method.cfl,
             speed: self.physics.sound_speed.max(self.physics.shifting_speed),
             particle_size: self.physics.particle_size,
             origin: self.physics.domain.origin,
         };
-        let with_energy = self.with_energy();
-        Box::new(Integrate::new(&mut self.wiring, scheme, courant, with_energy))
+        AnyStage::whole(TimeStep::new(&mut self.wiring, courant))
+    }
+
+    fn integrate(&mut self) -> AnyStage {
+        let scheme = match self.physics.method.time_integration {
+            TimeIntegration::AdamsBashforth => integrate::Scheme::AdamsBashforth,
+            TimeIntegration::Euler => integrate::Scheme::Euler,
+        };
+        let (origin, with_energy) = (self.physics.domain.origin, self.with_energy());
+        AnyStage::chunks(Integrate::new(&mut self.wiring, scheme, origin, with_energy))
     }
 }

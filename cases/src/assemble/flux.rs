@@ -4,7 +4,7 @@ use super::builder::Builder;
 use crate::scene::{AxisTreatment, Scheme};
 use meniscus_engine::lanes::Packed;
 use meniscus_engine::pairs::{PairPass, PairTerm};
-use meniscus_engine::pipeline::Stage;
+use meniscus_engine::pipeline::AnyStage;
 use meniscus_stages::contact::{Contact, ContactProblem, FirstOrder, Limited, Reconstruction, Shock};
 use meniscus_stages::equation_of_state::Second;
 use meniscus_stages::geometry::{Geometry, HarmonicMean, NearAxisParshikov, Parshikov};
@@ -42,7 +42,7 @@ impl Builder<'_> {
         format!("all pair sums in one traversal: {weights}, {flux}, {precision}")
     }
 
-    pub(super) fn flux(&mut self) -> Box<dyn Stage> {
+    pub(super) fn flux(&mut self) -> AnyStage {
         let origin = self.physics.domain.origin;
         let axis_factor = self.physics.method.axis_factor;
         match (self.physics.method.scheme, self.physics.method.axis) {
@@ -61,7 +61,7 @@ impl Builder<'_> {
         self.packing.unit(self.physics.method.precision)
     }
 
-    fn flux_with<T: Packed, G: Geometry + 'static>(&mut self, geometry: G) -> Box<dyn Stage> {
+    fn flux_with<T: Packed, G: Geometry + 'static>(&mut self, geometry: G) -> AnyStage {
         let shock = Shock { slope: self.physics.equation.shock_slope() };
         // beta = min(1, 300 |J_r|/C) (method.md, section 10, "Coalescence, later").
         let limited =
@@ -76,7 +76,7 @@ impl Builder<'_> {
         }
     }
 
-    fn inviscid<R, G, F>(&mut self, geometry: G, reconstruction: F) -> Box<dyn Stage>
+    fn inviscid<R, G, F>(&mut self, geometry: G, reconstruction: F) -> AnyStage
     where
         R: FlowState<Scalar: Packed> + 'static,
         G: Geometry + 'static,
@@ -93,7 +93,7 @@ impl Builder<'_> {
         }
     }
 
-    fn viscous<T, G, F>(&mut self, geometry: G, reconstruction: F) -> Box<dyn Stage>
+    fn viscous<T, G, F>(&mut self, geometry: G, reconstruction: F) -> AnyStage
     where
         T: Packed,
         G: Geometry + 'static,
@@ -110,10 +110,10 @@ impl Builder<'_> {
         self.wiring.stage("flux");
         let flow =
             (DensityRate::new(&mut self.wiring, geometry), PressureRiemann::new(&mut self.wiring, geometry));
-        let moment = (self.with_surface() || self.with_sums() || self.physics.method.kernel_correction)
+        let moment = (self.with_surface() || self.with_gradient() || self.physics.method.kernel_correction)
             .then(|| MomentMatrix::new(&mut self.wiring));
         let weight = self.with_surface().then(|| GhostWeight::new(&mut self.wiring, geometry));
-        let sum = self.with_sums().then(|| VelocitySum::new(&mut self.wiring));
+        let sum = self.with_gradient().then(|| VelocitySum::new(&mut self.wiring));
         let theta = self.physics.method.theta;
         let crowding = (self.shifting() > 0.0).then(|| Crowding::new(&mut self.wiring, theta));
         let energy = self.with_energy().then(|| EnergyRate::new(&mut self.wiring, geometry));
@@ -121,12 +121,12 @@ impl Builder<'_> {
     }
 }
 
-fn pass<R, G, F, T>(problem: ContactProblem<G, F>, terms: T, unit: f64) -> Box<dyn Stage>
+fn pass<R, G, F, T>(problem: ContactProblem<G, F>, terms: T, unit: f64) -> AnyStage
 where
     R: FlowState<Scalar: Packed> + 'static,
     G: Geometry + 'static,
     F: Reconstruction<R> + 'static,
     T: PairTerm<R, Contact<R::Scalar>> + 'static,
 {
-    Box::new(PairPass::<R, _, _>::new("flux", problem, terms, unit))
+    AnyStage::chunks(PairPass::<R, _, _>::new("flux", problem, terms, unit))
 }

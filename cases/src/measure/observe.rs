@@ -166,9 +166,11 @@ impl Observer {
     /// The integral of P/rho^2 over the density from that at rest, in J/kg.
     fn compression_energy(&self, density: f64) -> f64 {
         let excess = (density - self.physics.reference_density) / self.physics.reference_density;
-        // ln(1 + x) - x/(1 + x): the series where the difference of both would cancel.
-        let integral = if excess.abs() < 1e-4 {
-            excess * excess * (0.5 - excess * (2.0 / 3.0 - 0.75 * excess))
+        // ln(1 + x) - x/(1 + x) = x^2/2 - 2 x^3/3 + 3 x^4/4 - ...: the series where it is exact to rounding, for there the
+        // difference of both would cancel, and a logarithm takes long.
+        let integral = if excess.abs() < 0.01 {
+            let term = |sum: f64, k: i32| f64::from(k - 1) / f64::from(k) - excess * sum;
+            excess * excess * (2..=9).rev().fold(0.0, term)
         } else {
             excess.ln_1p() - excess / (1.0 + excess)
         };

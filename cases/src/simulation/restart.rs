@@ -91,7 +91,7 @@ fn column((description, values): (Description, Values)) -> Column {
         about: description.about.to_owned(),
         role: match description.role {
             Role::State => checkpoint::Role::State,
-            Role::Derived => checkpoint::Role::Derived,
+            Role::Derived | Role::Transient => checkpoint::Role::Derived,
         },
         data: match values {
             Values::F64(values) => Data::F64(values),

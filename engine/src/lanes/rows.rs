@@ -20,6 +20,8 @@ pub struct RowTable {
     pub second: Vec<HalfRow>,
     /// All that a particle has in single precision; the others are empty then.
     pub single: Vec<SingleRow>,
+    /// Whether they are those of the particles as they lie in memory now, with their images.
+    pub are_current: bool,
 }
 
 impl RowTable {
@@ -35,9 +37,49 @@ impl RowTable {
         self.single.resize(particles + images + 2 * WIDTH, SingleRow::default());
     }
 
+    /// The rows of the first `particles`, to write them.
+    ///
+    /// # Panics
+    /// If there are fewer.
+    pub fn part(&mut self, particles: usize) -> RowPart<'_> {
+        let of = |rows: usize| if rows == 0 { 0 } else { particles };
+        let (first, second, single) = (self.first.len(), self.second.len(), self.single.len());
+        RowPart {
+            first: &mut self.first[..of(first)],
+            second: &mut self.second[..of(second)],
+            single: &mut self.single[..of(single)],
+        }
+    }
+
     /// Bytes that the rows take.
     pub fn bytes(&self) -> usize {
         bytes_of(&self.first) + bytes_of(&self.second) + bytes_of(&self.single)
+    }
+}
+
+/// The rows of some particles in a row, as [`RowTable`] holds them.
+#[derive(Debug, Default)]
+pub struct RowPart<'a> {
+    /// One row a particle.
+    pub first: &'a mut [Row],
+    /// Half a row more where the record needs it, else empty.
+    pub second: &'a mut [HalfRow],
+    /// All that a particle has in single precision; the others are empty then.
+    pub single: &'a mut [SingleRow],
+}
+
+impl<'a> RowPart<'a> {
+    /// Takes the rows of the first `particles` off, or all that are left.
+    pub(crate) fn take(&mut self, particles: usize) -> RowPart<'a> {
+        fn first<'a, T>(rows: &mut &'a mut [T], count: usize) -> &'a mut [T] {
+            let count = count.min(rows.len());
+            rows.split_off_mut(..count).unwrap_or_default()
+        }
+        RowPart {
+            first: first(&mut self.first, particles),
+            second: first(&mut self.second, particles),
+            single: first(&mut self.single, particles),
+        }
     }
 }
 

@@ -69,7 +69,7 @@ pub(super) struct Piece {
 pub(super) enum Kind {
     /// A step of a number.
     Step(u64),
-    /// A stage, by its place among the profiler's.
+    /// A stage, or a group of them, by its place among the profiler's.
     Stage(usize),
     /// A chunk of a stage.
     Chunk(usize),
@@ -79,8 +79,10 @@ pub(super) enum Kind {
 struct Thread {
     /// Starts of the spans and chunks that are open.
     open: Vec<u64>,
-    /// Nanoseconds in chunks of the present stage.
-    busy: u64,
+    /// Nanoseconds in chunks since the present stage or group of stages began, by stage.
+    busy: Vec<u64>,
+    /// The stage of the chunk at hand, by its place.
+    chunk: usize,
     step: u64,
     pieces: Vec<Piece>,
 }
@@ -179,18 +181,25 @@ impl Profiler {
         STAGES + place as u64
     }
 
-    /// Takes down how busy each thread was, when all of them have finished a stage.
-    fn end_stage(&self, place: usize, elapsed: u64) {
+    /// Takes down how busy each thread was, when all of them have finished a stage, or stages that take chunks in
+    /// turn: of those each has the part of the elapsed time that its chunks are of all.
+    fn end_stage(&self, elapsed: u64) {
         let mut stages = lock(&self.stages);
-        let stage = &mut stages[place];
-        let mut longest = 0;
-        for (thread, total) in self.threads.iter().zip(&mut stage.threads) {
-            let busy = std::mem::take(&mut lock(thread).busy);
-            *total += busy;
-            longest = busy.max(longest);
+        let mut busy: Vec<Vec<u64>> = vec![vec![0; self.threads.len()]; stages.len()];
+        for (k, thread) in self.threads.iter().enumerate() {
+            for (place, time) in lock(thread).busy.iter_mut().enumerate() {
+                busy[place][k] = std::mem::take(time);
+            }
         }
-        stage.elapsed += elapsed;
-        stage.longest += longest;
+        let all: u64 = busy.iter().flatten().sum();
+        for (stage, busy) in stages.iter_mut().zip(busy) {
+            let own: u64 = busy.iter().sum();
+            if own > 0 {
+                stage.elapsed += (elapsed as f64 * (own as f64 / all as f64)) as u64;
+                stage.longest += busy.iter().copied().max().unwrap_or(0);
+                stage.threads.iter_mut().zip(busy).for_each(|(total, busy)| *total += busy);
+            }
+        }
     }
 
     fn now(&self) -> u64 {
@@ -210,6 +219,21 @@ impl Profiler {
         }
     }
 
+    /// Notes the begin of a chunk of the named stage; of the present one without a name.
+    pub(super) fn begin_chunk(&self, stage: &str) {
+        let identity =
+            if stage.is_empty() { self.present.load(Ordering::Relaxed) } else { self.stage(stage) };
+        if let Some(mut thread) = self.watched() {
+            let place = (identity - STAGES) as usize;
+            if thread.busy.len() <= place {
+                thread.busy.resize(place + 1, 0);
+            }
+            thread.chunk = place;
+            let now = self.now();
+            thread.open.push(now);
+        }
+    }
+
     /// Takes down what has come to its end.
     pub(super) fn end(&self, identity: u64) {
         let Some(mut thread) = self.watched() else { return };
@@ -218,8 +242,9 @@ impl Profiler {
         let place = |identity: u64| (identity - STAGES) as usize;
         let kind = match identity {
             CHUNK => {
-                thread.busy += length;
-                Kind::Chunk(place(self.present.load(Ordering::Relaxed)))
+                let chunk = thread.chunk;
+                thread.busy[chunk] += length;
+                Kind::Chunk(chunk)
             }
             STEP => Kind::Step(thread.step),
             identity => Kind::Stage(place(identity)),
@@ -228,8 +253,8 @@ impl Profiler {
             thread.pieces.push(Piece { kind, start, length });
         }
         drop(thread);
-        if let Kind::Stage(place) = kind {
-            self.end_stage(place, length);
+        if let Kind::Stage(_) = kind {
+            self.end_stage(length);
         }
     }
 }

@@ -33,7 +33,7 @@ impl Subscriber for Profiler {
 
     fn event(&self, event: &Event) {
         if event.metadata().name() == "chunk begins" {
-            self.begin();
+            event.record(&mut Begin(self));
         } else {
             self.end(CHUNK);
         }
@@ -57,6 +57,19 @@ impl Visit for Seen<'_> {
 
     fn record_str(&mut self, _: &Field, name: &str) {
         self.identity = self.profiler.stage(name);
+    }
+
+    fn record_debug(&mut self, _: &Field, _: &dyn std::fmt::Debug) {}
+}
+
+/// The chunk whose begin is told.
+struct Begin<'a>(&'a Profiler);
+
+impl Visit for Begin<'_> {
+    fn record_str(&mut self, field: &Field, stage: &str) {
+        if field.name() == "stage" {
+            self.0.begin_chunk(stage);
+        }
     }
 
     fn record_debug(&mut self, _: &Field, _: &dyn std::fmt::Debug) {}

@@ -1,0 +1,55 @@
+//! Particles whose state is no number or out of bounds: they end the run.
+
+use crate::fields;
+use meniscus_engine::pipeline::{Fault, World};
+use meniscus_engine::store::Read;
+use meniscus_engine::wiring::Wiring;
+
+/// What is looked at, for a stage that moves time on.
+pub(crate) struct BadState {
+    stage: &'static str,
+    origin: f64,
+    identity: Read<u32>,
+    /// Density, velocities, axial position and radius.
+    state: [Read<f64>; 5],
+}
+
+const NAMES: [&str; 5] = ["density", "velocity_r", "velocity_z", "axial", "radius"];
+
+impl BadState {
+    /// `origin` is the distance of the scene's origin from the axis in m.
+    pub(crate) fn new(wiring: &mut Wiring, stage: &'static str, origin: f64) -> Self {
+        let state =
+            [&fields::DENSITY, &fields::VELOCITY_R, &fields::VELOCITY_Z, &fields::AXIAL, &fields::RADIUS];
+        let identity = wiring.read(&fields::IDENTITY);
+        BadState { stage, origin, identity, state: state.map(|field| wiring.read(field)) }
+    }
+
+    /// The first particle whose density, velocity or position is no number or out of bounds.
+    pub(crate) fn first(&self, world: &World) -> Option<Fault> {
+        let state = self.state.map(|field| world.store.read(field));
+        let at = |i: usize| [state[0][i], state[1][i], state[2][i], state[3][i], state[4][i]];
+        (0..world.store.len()).find(|&i| !is_sound(at(i), self.origin)).map(|i| self.of(world, i))
+    }
+
+    /// What is wrong with a particle.
+    pub(crate) fn of(&self, world: &World, i: usize) -> Fault {
+        let state = self.state.map(|field| world.store.read(field)[i]);
+        let is_bad = |&k: &usize| !state[k].is_finite() || (k == 0 && state[0] <= 0.0);
+        // If nothing else is, the radius is beyond the axis.
+        let k = (0..NAMES.len()).find(is_bad).unwrap_or(NAMES.len() - 1);
+        self.fault(world, i, NAMES[k], state[k])
+    }
+
+    /// A quantity of a particle that went bad.
+    pub(crate) fn fault(&self, world: &World, i: usize, quantity: &'static str, value: f64) -> Fault {
+        let [.., z, r] = self.state.map(|field| world.store.read(field)[i]);
+        let particle = world.store.read(self.identity)[i];
+        Fault { stage: self.stage, particle, quantity, value, r, z, step: world.clock.step }
+    }
+}
+
+/// Whether density, velocities, axial position and radius are those of a particle.
+pub(crate) fn is_sound([density, u, w, z, r]: [f64; 5], origin: f64) -> bool {
+    (density + u + w + z).is_finite() && density > 0.0 && r + origin > 0.0
+}

@@ -1,0 +1,92 @@
+//! Incomplete support: what particles that may lie at the surface lack of their neighbours.
+
+use crate::boundary_detect::EIGENVALUE;
+use crate::fields;
+use crate::surface::INSIDE;
+use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
+use meniscus_engine::lanes::{Lanes, WIDTH};
+use meniscus_engine::store::{Read, Write};
+use meniscus_engine::wiring::Wiring;
+
+/// Keeps I - L and the ghost's weight of particles that
+///
+/// - may lie at the surface: an eigenvalue of L is below 3/4;
+/// - lay at or near it when it was last looked for;
+///
+/// and of those that share a block of eight with them. Everywhere else these fields are zero: nobody asks for them,
+/// and what is never written takes no memory. Who has come near the surface since it was last looked for has
+/// them a step later; his neighbourhood is still complete, and his ghost has no weight to speak of.
+pub struct IncompleteSupport {
+    surface: Read<u32>,
+    moment: [Read<f64>; 3],
+    lack: [Write<f64>; 3],
+    /// The sum and where it is kept, in scenes with ghosts.
+    weight: Option<[(Read<f64>, Write<f64>); 2]>,
+}
+
+impl IncompleteSupport {
+    /// Keeps what the surface's stages read; `with_ghosts` where there are ghosts.
+    pub fn new(wiring: &mut Wiring, with_ghosts: bool) -> Self {
+        wiring.stage("incomplete-support");
+        let moment = [&fields::MOMENT_RR, &fields::MOMENT_RZ, &fields::MOMENT_ZZ];
+        let lack = [&fields::SUPPORT_LACK_RR, &fields::SUPPORT_LACK_RZ, &fields::SUPPORT_LACK_ZZ];
+        let weight = [
+            (&fields::GHOST_WEIGHT_SUM_R, &fields::GHOST_WEIGHT_R),
+            (&fields::GHOST_WEIGHT_SUM_Z, &fields::GHOST_WEIGHT_Z),
+        ];
+        IncompleteSupport {
+            surface: wiring.read(&fields::SURFACE),
+            moment: moment.map(|field| wiring.read(field)),
+            lack: lack.map(|field| wiring.write(field)),
+            weight: with_ghosts.then(|| weight.map(|(sum, kept)| (wiring.read(sum), wiring.write(kept)))),
+        }
+    }
+}
+
+impl ChunkStage for IncompleteSupport {
+    fn name(&self) -> &'static str {
+        "incomplete-support"
+    }
+
+    fn chunk(&self, _: &Around, chunk: &Chunk) -> Partial {
+        let surface = chunk.read(self.surface);
+        let [rr, rz, zz] = self.moment.map(|field| chunk.read(field));
+        let [mut lack_rr, mut lack_rz, mut lack_zz] = self.lack.map(|field| chunk.write(field));
+        let mut weight = self.weight.map(|both| both.map(|(sum, kept)| (chunk.read(sum), chunk.write(kept))));
+        for first in (0..chunk.len()).step_by(WIDTH) {
+            let eight = first..chunk.len().min(first + WIDTH);
+            let load = |column: &[f64], fill| Lanes::load_or(&column[eight.clone()], fill);
+            let (rr, rz, zz) = (load(&rr, 1.0), load(&rz, 0.0), load(&zz, 1.0));
+            let is_inside = surface[eight.clone()].iter().fold(INSIDE, |any, code| any | code) == INSIDE;
+            if is_inside && are_complete(rr, rz, zz) {
+                let lack = load(&lack_rr, 0.0).abs() + load(&lack_rz, 0.0).abs() + load(&lack_zz, 0.0).abs();
+                // Written only where they are not zero already; where I - L is, the weight is, too.
+                if lack.less_bits(Lanes::splat(f64::MIN_POSITIVE)) != 0xff {
+                    for column in [&mut lack_rr, &mut lack_rz, &mut lack_zz] {
+                        column[eight.clone()].fill(0.0);
+                    }
+                    for (_, kept) in weight.iter_mut().flatten() {
+                        kept[eight.clone()].fill(0.0);
+                    }
+                }
+            } else {
+                (Lanes::ONE - rr).store(&mut lack_rr[eight.clone()]);
+                (-rz).store(&mut lack_rz[eight.clone()]);
+                (Lanes::ONE - zz).store(&mut lack_zz[eight.clone()]);
+                for (sum, kept) in weight.iter_mut().flatten() {
+                    kept[eight.clone()].copy_from_slice(&sum[eight.clone()]);
+                }
+            }
+        }
+        [0.0; 2]
+    }
+}
+
+/// Whether no eigenvalue of eight matrices L is below 3/4, as
+/// [`Moment::eigenvalues_at_least`](crate::moment::Moment::eigenvalues_at_least) has it.
+#[inline(always)]
+fn are_complete(rr: Lanes, rz: Lanes, zz: Lanes) -> bool {
+    let least = Lanes::splat(EIGENVALUE);
+    let (above_rr, above_zz) = (rr - least, zz - least);
+    (above_rr + above_zz).min(rz.neg_mul_add(rz, above_rr * above_zz)).all_positive()
+}

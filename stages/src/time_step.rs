@@ -1,0 +1,115 @@
+//! The time step: the longest that is stable for every particle.
+
+use crate::bad_state::BadState;
+use crate::fields;
+use meniscus_engine::lanes::{Lanes, WIDTH};
+use meniscus_engine::parallel;
+use meniscus_engine::pipeline::{Fault, Stage, World};
+use meniscus_engine::store::Read;
+use meniscus_engine::wiring::Wiring;
+
+/// A step this much shorter than the acoustic one at rest is a blow-up, not a step.
+const VANISHING: f64 = 1e-4;
+
+/// Distance from the axis, in particle sizes, of the innermost particles of a regular packing.
+const INNERMOST: f64 = 0.43;
+
+/// Limits of the time step.
+#[derive(Clone, Copy, Debug)]
+pub struct Courant {
+    /// Courant number.
+    pub number: f64,
+    /// Sound speed at rest or the fastest flow, whichever is larger, m/s.
+    pub speed: f64,
+    /// Particle size at the start, m.
+    pub particle_size: f64,
+    /// Distance of the scene's origin from the axis, m.
+    pub origin: f64,
+}
+
+/// The stage.
+pub struct TimeStep {
+    courant: Courant,
+    bad_state: BadState,
+    radius: Read<f64>,
+    strain_rate: Read<f64>,
+    size: Read<f64>,
+    sound_speed: Read<f64>,
+}
+
+impl TimeStep {
+    /// States the acoustic bound. It must follow all that changes the strain rate or states a bound.
+    pub fn new(wiring: &mut Wiring, courant: Courant) -> Self {
+        wiring.stage("time-step");
+        TimeStep {
+            courant,
+            bad_state: BadState::new(wiring, "time-step", courant.origin),
+            radius: wiring.read(&fields::RADIUS),
+            strain_rate: wiring.read(&fields::STRAIN_RATE),
+            size: wiring.read(&fields::SIZE),
+            sound_speed: wiring.read(&fields::SOUND_SPEED),
+        }
+    }
+
+    /// dt = CFL min D/sqrt(C^2 + (4 D d eps/dt)^2) (method.md, section 6), for a ring nearer to the axis than
+    /// .43 D times (R/(.43 D))^2: its own hoop terms, P/(rho R) and U_r/R, swing with C/R and grow by
+    /// (C dt/R)^2/4 a step, which the pressure diffusion of the contacts must outweigh. (The innermost rings of
+    /// a regular packing lie at .43 D.)
+    fn acoustic_bound(&self, world: &World) -> f64 {
+        let (size, sound_speed) = (world.store.read(self.size), world.store.read(self.sound_speed));
+        let (strain_rate, r) = (world.store.read(self.strain_rate), world.store.read(self.radius));
+        let columns = ((&size[..], &sound_speed[..]), (&strain_rate[..], &r[..]));
+        let origin = Lanes::splat(self.courant.origin);
+        type Columns<'a> = ((&'a [f64], &'a [f64]), (&'a [f64], &'a [f64]));
+        let body = |_: usize, ((size, sound_speed), (strain_rate, r)): Columns, len: usize| {
+            let (mut largest, mut all) = (Lanes::ZERO, Lanes::ZERO);
+            for first in (0..len).step_by(WIDTH) {
+                let load =
+                    |column: &[f64], fill| Lanes::load_or(&column[first..len.min(first + WIDTH)], fill);
+                let size = load(size, f64::MAX.sqrt());
+                let (radius, innermost) = (load(r, f64::MAX) + origin, Lanes::splat(INNERMOST) * size);
+                let length = if (radius - innermost).all_positive() {
+                    size
+                } else {
+                    let near = (radius / innermost).abs().min(Lanes::ONE);
+                    size * near * near
+                };
+                let strain = Lanes::splat(4.0) * length * load(strain_rate, 0.0);
+                let sound_speed = load(sound_speed, 0.0);
+                let rate = sound_speed.mul_add(sound_speed, strain * strain) / (length * length);
+                largest = largest.max(rate);
+                all += rate;
+            }
+            // No maximum hides a NaN: the sum has it as well.
+            let largest = largest.to_array().into_iter().fold(0.0, f64::max);
+            if all.sum().is_nan() { f64::NAN } else { largest }
+        };
+        let larger = |a: f64, b: f64| if a > b || a.is_nan() { a } else { b };
+        let slowest = parallel::fold_chunks(size.len(), columns, &body, &larger);
+        self.courant.number / slowest.sqrt()
+    }
+}
+
+impl Stage for TimeStep {
+    fn name(&self) -> &'static str {
+        "time-step"
+    }
+
+    fn run(&mut self, world: &mut World) -> Result<(), Fault> {
+        let acoustic = self.acoustic_bound(world);
+        world.clock.limit("acoustic", acoustic);
+        let step_size = world.clock.bound().map_or(acoustic, |bound| bound.step_size);
+        let at_rest = self.courant.number * self.courant.particle_size / self.courant.speed;
+        if step_size > VANISHING * at_rest {
+            return Ok(());
+        }
+        // A particle whose state is bad spoils its neighbours' rates: it comes first.
+        if let Some(fault) = self.bad_state.first(world) {
+            return Err(fault);
+        }
+        let strain_rate = world.store.read(self.strain_rate);
+        let larger = |&a: &usize, &b: &usize| strain_rate[a].abs().total_cmp(&strain_rate[b].abs());
+        let worst = (0..strain_rate.len()).max_by(larger).unwrap_or(0);
+        Err(self.bad_state.fault(world, worst, "strain_rate", strain_rate[worst]))
+    }
+}
