@@ -42,6 +42,11 @@ const FEWEST: u32 = 12;
 /// sqrt(rho D^3/sigma): what is faster is no motion of a resolved surface, but another place found for it.
 const FASTEST: f64 = 0.25;
 
+/// Neighbours whose sizes differ by so small a part of the usual one look at the same smoothed liquid. With supports
+/// in proportion to their own sizes each would see other disorder, and in a resting packing the error of the curvature
+/// would be twice as large.
+const EVEN: f64 = 0.1;
+
 /// The stage. It must follow the boundary detection of the same step, which takes up the particles in
 /// the shared colour field.
 pub struct CurvatureColour {
@@ -122,15 +127,15 @@ impl CurvatureColour {
                 let particle = boundary[start + k];
                 let i = particle as usize;
                 let size = size[i].min(packing.largest_size);
+                let support = settings.support * even(size, 0.5 * packing.largest_size);
                 let known = field.known.binary_search_by_key(&particle, |(known, _)| *known);
                 let offset = [offset_r[i], offset_z[i]];
                 let start = match known {
                     _ if offset != [0.0; 2] => Start::Foot(offset),
                     Ok(place) => Start::Particle(field.known[place].1),
-                    Err(_) => Start::Particle(field.at(r[i], z[i], settings.support * size)),
+                    Err(_) => Start::Particle(field.at(r[i], z[i], support)),
                 };
-                *found =
-                    find(field, start, [r[i], z[i]], size, settings.support * size, packing.domain.origin);
+                *found = find(field, start, [r[i], z[i]], size, support, packing.domain.origin);
             }
         });
     }
@@ -254,6 +259,13 @@ impl CurvatureColour {
             }
         });
     }
+}
+
+/// What the support is measured by for a particle of the given size (m), where particles have `usual` ones: up to
+/// [`EVEN`] more or less doesn't count.
+fn even(size: f64, usual: f64) -> f64 {
+    let (least, most) = ((1.0 - EVEN) * usual, (1.0 + EVEN) * usual);
+    usual + (size - size.clamp(least, most))
 }
 
 /// Laplace pressure, its slope, the surface's tangent and the way to it.

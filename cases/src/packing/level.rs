@@ -6,7 +6,7 @@
 
 use super::cells::Cells;
 use super::domain::{Domain, Point, Source};
-use super::relax::{CAPTURE, add_images, dust};
+use super::relax::{CAPTURE, DUST, add_images, dust};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
@@ -15,7 +15,7 @@ const SUPPORT: f64 = 6.0;
 
 /// The continuum outside of the region that [`gap`] asks for.
 pub(super) fn outside(domain: &Domain) -> Vec<Source> {
-    dust(domain, support(domain))
+    dust(domain, support(domain), DUST)
 }
 
 /// One image on either side must cover the kernel.

@@ -1,4 +1,4 @@
-//! Fills a region of the half plane with particles of equal area.
+//! Fills a region of the half plane with particles of nearly equal area.
 //!
 //! The outermost layer follows the boundary at half a particle size, without staircase, and the
 //! inside is disordered or locally hexagonal. A pair repulsion levels the density: every particle
@@ -6,6 +6,9 @@
 //! support 2.8 D at first, then less. Beyond the boundary the plane is filled with fixed dust of the
 //! same density, beyond the axis with mirror images, so that nothing pulls a particle to either.
 //! No particle comes closer to the boundary than D/2, and those not much deeper are drawn there.
+//!
+//! Where the contour of the particles still undulates about the boundary, the outermost ones get some per cent more
+//! or less of the liquid.
 //!
 //! In large regions the inside is filled with copies of a settled tile, and only the rest is settled.
 //!
@@ -15,6 +18,7 @@ mod cells;
 mod domain;
 mod level;
 mod relax;
+mod share;
 mod start;
 #[cfg(test)]
 mod tests;
@@ -30,8 +34,8 @@ pub struct Packing {
     pub r: Vec<f64>,
     /// Position along the axis in metres.
     pub z: Vec<f64>,
-    /// Area in the half plane in square metres, the same for every particle and such that
-    /// `sum 2 pi (origin + r) area` is the volume.
+    /// Area in the half plane in square metres, the same for every particle but for some per cent in the outermost
+    /// layer, and such that `sum 2 pi (origin + r) area` is the volume.
     pub area: Vec<f64>,
 }
 
@@ -170,7 +174,7 @@ impl Filling {
     }
 }
 
-/// Fills `region` with particles of equal area.
+/// Fills `region` with particles of equal area, but for some per cent at its boundary.
 ///
 /// # Errors
 /// Options or a region that make no sense, no or too many particles, or particles at area D^2 whose
@@ -180,6 +184,9 @@ pub fn pack(region: &dyn Region, options: &PackingOptions) -> Result<Packing, Pa
     let expected = options.volume.unwrap_or_else(|| region.volume());
     let mut filling = Filling::start(&domain, options);
     filling.settle(&domain, options, expected);
+    let area = filling.area(options, expected);
+    let mut shares = vec![1.0; filling.still.len()];
+    shares.extend(share::shares(&domain, &filling.moving, &filling.met, area));
     let points = [filling.still, filling.moving].concat();
 
     let size = options.particle_size;
@@ -193,6 +200,8 @@ pub fn pack(region: &dyn Region, options: &PackingOptions) -> Result<Packing, Pa
     if deviation.is_nan() || deviation > allowed {
         return Err(PackingError::Volume { found, expected });
     }
-    let area = vec![expected / ring; r.len()];
+    // In the mean over the liquid they share it all.
+    let shared: f64 = r.iter().zip(&shares).map(|(r, share)| TAU * (options.origin + r) * share).sum();
+    let area = shares.iter().map(|share| share * expected / shared).collect();
     Ok(Packing { r, z, area })
 }

@@ -15,6 +15,8 @@ use std::f64::consts::PI;
 
 /// Largest support radius of the kernel, and so the reach of dust and images, in particle sizes.
 pub(super) const REACH: f64 = 2.8;
+/// Side of the pieces of dust, in particle sizes.
+pub(super) const DUST: f64 = 0.5;
 const STEP: f64 = 0.25;
 /// Depth of the outermost layer in particle sizes, to begin with.
 pub(super) const DEPTH: f64 = 0.5;
@@ -60,7 +62,7 @@ fn run(
     iterations: usize,
     layer: f64,
 ) {
-    let mut outside = dust(domain, REACH);
+    let mut outside = dust(domain, REACH, DUST);
     outside.extend(fixed.iter().map(|&point| Source { point, area: 1.0 }));
     let (mut sources, mut cells) = (Vec::new(), Cells::default());
     // A lower bound of each particle's depth: only those that may be too shallow are looked up.
@@ -190,34 +192,34 @@ pub(super) fn add_images(domain: &Domain, reach: f64, sources: &mut Vec<Source>)
     }
 }
 
-/// The plane outside, not farther than `reach` from the region, in pieces: each at its centroid with its area.
-pub(super) fn dust(domain: &Domain, reach: f64) -> Vec<Source> {
-    const SIDE: f64 = 0.5;
+/// The plane outside, not farther than `reach` from the region, in pieces with the given side: each at its centroid
+/// with its area.
+pub(super) fn dust(domain: &Domain, reach: f64, side: f64) -> Vec<Source> {
     let [r_min, r_max, z_min, z_max] = domain.bounds;
     let first_r = if domain.has_axis { 0.0 } else { r_min - reach };
-    let columns = ((r_max + reach - first_r) / SIDE).ceil() as usize;
+    let columns = ((r_max + reach - first_r) / side).ceil() as usize;
     let (first_z, rows, height) = match domain.period {
         Some(period) => {
-            let rows = (period / SIDE).ceil();
+            let rows = (period / side).ceil();
             (0.0, rows as usize, period / rows)
         }
         None => {
-            let rows = ((z_max - z_min + 2.0 * reach) / SIDE).ceil();
-            (z_min - reach, rows as usize, SIDE)
+            let rows = ((z_max - z_min + 2.0 * reach) / side).ceil();
+            (z_min - reach, rows as usize, side)
         }
     };
-    let half = [SIDE / 2.0, height / 2.0];
-    let full = SIDE * height;
+    let half = [side / 2.0, height / 2.0];
+    let full = side * height;
     let piece = |index: usize| {
         let centre = [
             first_r + (2 * (index % columns) + 1) as f64 * half[0],
             first_z + (2 * (index / columns) + 1) as f64 * half[1],
         ];
         let distance = domain.signed_distance(centre);
-        if !(-SIDE..reach).contains(&distance) {
+        if !(-side..reach).contains(&distance) {
             return None;
         }
-        let [inside, moment_r, moment_z] = domain.inside(centre, half, 0.03);
+        let [inside, moment_r, moment_z] = domain.inside(centre, half, 0.06 * side);
         let area = full - inside;
         let centroid = [(full * centre[0] - moment_r) / area, (full * centre[1] - moment_z) / area];
         (area > 1e-6 * full).then_some(Source { point: centroid, area })

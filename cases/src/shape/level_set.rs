@@ -53,6 +53,12 @@ impl LevelSet {
         ]
     }
 
+    /// The same between other ends.
+    pub(super) fn between(&self, bottom: f64, top: f64) -> Self {
+        let [r_min, r_max, ..] = self.bounds;
+        Self { bounds: [r_min, r_max, bottom, top], ..self.clone() }
+    }
+
     pub(super) fn bounds(&self) -> [f64; 4] {
         self.bounds
     }

@@ -6,6 +6,7 @@
 
 mod chords;
 mod distance;
+mod endless;
 mod level_set;
 mod polygon;
 mod quadrature;
@@ -14,6 +15,7 @@ mod spheroid;
 mod tests;
 
 pub use chords::Chords;
+pub use endless::Endless;
 pub use level_set::{Field, LevelSet};
 pub use polygon::Polygon;
 

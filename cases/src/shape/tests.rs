@@ -1,4 +1,4 @@
-use super::{LevelSet, Polygon, Shape};
+use super::{Endless, LevelSet, Polygon, Shape};
 use crate::region::Region;
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -154,4 +154,23 @@ fn interior_points_lie_inside() {
         count += 1;
     }
     assert!(count >= 1024);
+}
+
+/// A jet in a periodic scene goes on: the distance from its middle line is its radius, also at the ends of the period.
+#[test]
+fn what_spans_a_period_has_no_ends() {
+    let jet = Shape::Cylinder { radius: 1.0, bottom: -3.0, top: 3.0 };
+    let outside = Shape::Annulus { inner: 0.5, outer: 4.0, bottom: -5.0, top: 5.0 };
+    let expression = LevelSet::new(Arc::new(|r, _| r - 1.0), [0.0, 2.0, -3.0, 3.0], true);
+    let hollow = Shape::Difference(vec![jet.clone(), outside]);
+    for (shape, radius) in [(jet.clone(), 1.0), (Shape::Expression(expression), 1.0), (hollow, 0.5)] {
+        let endless = Endless::new(&shape, 6.0);
+        for z in [-3.0, -2.9, 0.0, 3.0] {
+            let distance = endless.signed_distance(0.2, z);
+            assert!((distance - (0.2 - radius)).abs() < 1e-9, "{shape:?} at {z}: {distance}");
+        }
+        assert_eq!((endless.bounds(), endless.volume()), (shape.bounds(), shape.volume()));
+    }
+    let drop = Endless::new(&jet, 7.0);
+    assert_eq!(drop.signed_distance(0.2, 2.9), jet.signed_distance(0.2, 2.9), "a short one has ends");
 }

@@ -4,6 +4,7 @@ use super::{SETTLE, Simulation, StartError};
 use crate::assemble::Physics;
 use crate::packing::{PackingOptions, pack};
 use crate::scene::{Flux, Precision, Scene};
+use crate::shape::Endless;
 use meniscus_engine::checkpoint::Checkpoint;
 use meniscus_engine::store::Store;
 use meniscus_stages::fields;
@@ -48,8 +49,11 @@ fn seed(scene: &Scene, with_energy: bool) -> Result<Seeds, StartError> {
             volume: (origin > 0.0).then(|| body.shape.volume_about(origin)),
             ..PackingOptions::new(scene.particle_size)
         };
-        let packing =
-            pack(&body.shape, &options).map_err(|source| StartError::Packing { body: k + 1, source })?;
+        let packing = match scene.domain.period {
+            Some(period) => pack(&Endless::new(&body.shape, period), &options),
+            None => pack(&body.shape, &options),
+        };
+        let packing = packing.map_err(|source| StartError::Packing { body: k + 1, source })?;
         let density = body.density.unwrap_or(scene.liquid.density);
         let mass = |(r, area): (&f64, &f64)| density * 2.0 * PI * (r + origin) * area;
         seeds.mass.extend(packing.r.iter().zip(&packing.area).map(mass));

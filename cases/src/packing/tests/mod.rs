@@ -39,7 +39,11 @@ fn a_sphere_is_filled_evenly_up_to_a_layer_at_half_a_size() {
     let packing = pack(&SPHERE, &PackingOptions::new(SIZE)).unwrap();
     assert_eq!(packing.r.len(), 226, "pi 12^2 / 2 = 226.2");
     assert!((volume(&packing, 0.0) / SPHERE.volume() - 1.0).abs() < 1e-13);
-    assert!(packing.area.iter().all(|area| (area / SIZE.powi(2) - 1.0).abs() < 0.01));
+    for (area, depth) in packing.area.iter().zip(depths(&packing, &SPHERE)) {
+        // The outermost ones smooth the contour.
+        let most = if depth < 0.75 { 0.05 } else { 0.01 };
+        assert!((area / SIZE.powi(2) - 1.0).abs() < most, "{area} at depth {depth}");
+    }
     assert!(packing.r.iter().all(|&r| r > 0.4 * SIZE), "no particle crowds the axis");
     assert!(shortest_distance(&packing) > 0.75);
 
@@ -57,7 +61,8 @@ fn a_sphere_is_filled_evenly_up_to_a_layer_at_half_a_size() {
     assert!((shallow / exact - 1.0).abs() < 0.03, "outer half holds {shallow} of {exact}");
 }
 
-/// What surface tension sees of a packing: where the colour field is one half.
+/// What surface tension sees of a packing: where the colour field is one half. With equal areas it lies up to .01
+/// sizes off.
 #[test]
 fn the_contour_of_the_particles_is_the_boundary() {
     for radius in [12.0, 18.0, 25.0, 36.0, 50.0] {
@@ -65,7 +70,7 @@ fn the_contour_of_the_particles_is_the_boundary() {
         let packing = pack(&sphere, &PackingOptions::new(SIZE)).unwrap();
         let size: Vec<f64> = packing.area.iter().map(|area| area.sqrt()).collect();
         let (r, z) = (&packing.r[..], &packing.z[..]);
-        let support = 10.0 * SIZE;
+        let support = 11.0 * SIZE;
         let source = Particles { r, z, size: &size, list_r: r, list_z: z, support };
         let mut field = ColourField::default();
         field.refresh(&source, 1, 0.0, &Domain { origin: 0.0, period: None });
@@ -75,8 +80,12 @@ fn the_contour_of_the_particles_is_the_boundary() {
             let slope = -(here.gradient[0] * sine + here.gradient[1] * cosine);
             (0.5 - here.value) / slope / SIZE
         };
-        let gap = (0..100).map(gap_at).sum::<f64>() / 100.0;
-        assert!(gap.abs() < 0.005, "{radius} sizes to the radius: the contour lies {gap} sizes too deep");
+        let gaps: Vec<f64> = (0..100).map(gap_at).collect();
+        let mean = gaps.iter().sum::<f64>() / 100.0;
+        let waves = gaps.iter().map(|gap| (gap - mean).abs()).fold(0.0, f64::max);
+        println!("{radius} sizes to the radius: {mean:.1e} sizes too deep, waves of {waves:.1e}");
+        assert!(mean.abs() < 0.005, "{radius} sizes to the radius: the contour lies {mean} sizes too deep");
+        assert!(waves < 3e-4, "{radius} sizes to the radius: the contour undulates by {waves} sizes");
     }
 }
 
@@ -105,7 +114,7 @@ fn pushes(packing: &Packing, region: &dyn Region) -> (f64, f64) {
     let places = packing.r.iter().zip(&packing.z);
     let points: Vec<_> = places.map(|(r, z)| [r / SIZE, (z - bottom) / SIZE]).collect();
     let (mut cells, mut sources) = (Cells::default(), Vec::new());
-    relax::gather(&domain, &points, &relax::dust(&domain, relax::REACH), &mut sources);
+    relax::gather(&domain, &points, &relax::dust(&domain, relax::REACH, relax::DUST), &mut sources);
     cells.fill(&sources);
     let below = points.iter().zip(depths(packing, region)).filter(|(_, depth)| *depth >= 0.75);
     let pushes = below.map(|(point, _)| relax::gradient(&cells, *point, 2.0));
