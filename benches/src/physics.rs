@@ -129,7 +129,7 @@ mod tests {
             (&["velocity-gradient"], "velocity_sum_rr"),
             (&["drops", "boundary-detect", "curvature", "ghost-coupling", "correction"], "laplace_pressure"),
             (
-                &["surface-area", "tangential-pressure", "strain-correction", "reference-pressure"],
+                &["tension-balance", "tangential-pressure", "strain-correction", "reference-pressure"],
                 "laplace_slope_r",
             ),
             (&["shifting"], "crowding_r"),
