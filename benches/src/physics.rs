@@ -140,7 +140,7 @@ mod tests {
                 "laplace_pressure",
             ),
             (
-                &["surface-area", "tangential-pressure", "strain-correction", "reference-pressure"],
+                &["tension-balance", "tangential-pressure", "strain-correction", "reference-pressure"],
                 "laplace_slope_r",
             ),
             (&["shifting"], "crowding_r"),

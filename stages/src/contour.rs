@@ -1,4 +1,4 @@
-//! The contour of the surface as a polygon of feet, and what the ghosts' areas lack of its length.
+//! The contour of the surface as a polygon of feet, and what surface forces lack of the tension's pull on it.
 
 use meniscus_engine::bins::Bins;
 use meniscus_engine::domain::{Domain, Image};
@@ -8,14 +8,16 @@ use meniscus_engine::store::bytes_of;
 
 /// Support radius of W in particle sizes.
 const SUPPORT: f64 = 4.0;
-/// Feet of one contour lie next to each other within so many particle sizes.
-const APART: f64 = 2.0;
+/// Feet of one contour lie next to each other within so many particle sizes: where the flow draws the surface out,
+/// gaps of nearly five open between its particles, and a contour that ended there would pull on its ends.
+const APART: f64 = 5.0;
 /// Feet that lie across the contour by so many particle sizes more than along it belong to another one.
 const ACROSS: f64 = 0.2;
-/// Largest component of delta: in a crack or in spray there is no contour to speak of.
-const LARGEST: f64 = 0.05;
+/// Largest f over the mean pressure of the ghosts around: in a crack or in spray there is no contour to speak of.
+const LARGEST: f64 = 1.0;
 
-/// A particle at the surface or near it, lengths in metres.
+/// A particle at the surface or near it. Pressures are in Pa, lengths in m; what belongs to a particle is
+/// multiplied by its distance from the axis over its foot's.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SurfaceParticle {
     /// Whether it lies at the boundary: then its foot is a corner of the contour.
@@ -26,15 +28,41 @@ pub(crate) struct SurfaceParticle {
     pub foot: [f64; 2],
     /// Unit tangent t of the surface there, (-t_z, t_r) being outward.
     pub tangent: [f64; 2],
-    /// A, with the particle's distance from the axis over its foot's.
-    pub area: [f64; 2],
-    /// V (I - L) t, likewise.
+    /// Length of its ghost's area A, m.
+    pub area: f64,
+    /// Its Laplace pressure P.
+    pub pressure: f64,
+    /// The reference that all its pressures act less.
+    pub reference: f64,
+    /// Its surface force A (P - P_ref) + V (I - L) grad_s P, N/m, outward.
+    pub force: [f64; 2],
+    /// (P - P_ref) V (I - L) t, N.
     pub missing: [f64; 2],
 }
 
-/// What enters the sums, in the order of the cells: the place of the foot, t, V (I - L) t, n ds - A, |A| and
-/// t_r/R.
-const COLUMNS: usize = 10;
+/// What belongs to a corner of the polygon, from half the way to the foot before it to half the way to the next.
+#[derive(Clone, Copy, Debug, Default)]
+struct Corner {
+    /// n ds, m.
+    area: [f64; 2],
+    /// dt.
+    turn: [f64; 2],
+}
+
+/// How much surface lies around a foot.
+#[derive(Clone, Copy, Debug, Default)]
+struct Around {
+    /// N, the sum of W |A|, m.
+    area: f64,
+    /// t . grad N.
+    slope: f64,
+    /// Mean of |P| with the weights W |A|, Pa.
+    pressure: f64,
+}
+
+/// What enters the sums, in the order of the cells: the place of the foot, |A|, |A P|, t, t_r/R, and what is
+/// lacking and V (I - L) t (P - P_ref), both over N.
+const COLUMNS: usize = 11;
 
 /// The particles and their images in rows of cells.
 #[derive(Default)]
@@ -42,8 +70,17 @@ pub(crate) struct Contour {
     images: Vec<Image>,
     places: [Vec<f64>; 2],
     bins: Bins,
-    segments: Vec<[f64; 2]>,
+    corners: Vec<Corner>,
+    around: Vec<Around>,
     columns: [Vec<f64>; COLUMNS],
+}
+
+/// W = (1 - q)^4 (1 + 4 q) and dW/dq/q = -20 (1 - q)^3.
+struct Kernel {
+    x: Lanes,
+    y: Lanes,
+    value: Lanes,
+    steepness: Lanes,
 }
 
 fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
@@ -51,13 +88,14 @@ fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
 }
 
 impl Contour {
-    /// Takes up the particles, none of them larger than `largest` metres.
-    pub fn gather(&mut self, particles: &[SurfaceParticle], largest: f64, domain: &Domain) {
+    /// Takes up the particles, none of them larger than `largest` metres, of a liquid with the given surface
+    /// tension in N/m.
+    pub fn gather(&mut self, particles: &[SurfaceParticle], largest: f64, domain: &Domain, tension: f64) {
         for (axis, places) in self.places.iter_mut().enumerate() {
             places.clear();
             places.extend(particles.iter().map(|particle| particle.foot[axis]));
         }
-        domain.images(&self.places[0], &self.places[1], SUPPORT * largest, &mut self.images);
+        domain.images(&self.places[0], &self.places[1], SUPPORT.max(APART) * largest, &mut self.images);
         for image in &self.images {
             let [r, z] = particles[image.source as usize].foot;
             let (r, z) = domain.place(image, r, z);
@@ -66,49 +104,77 @@ impl Contour {
         }
         self.bins.build(&self.places[0], &self.places[1], 0.5 * SUPPORT * largest);
 
-        let mut segments = std::mem::take(&mut self.segments);
-        segments.clear();
-        segments.resize(particles.len(), [0.0; 2]);
-        parallel::for_chunks_of(128, particles.len(), &mut segments[..], |start, segments| {
-            for (k, segment) in segments.iter_mut().enumerate() {
+        let mut corners = std::mem::take(&mut self.corners);
+        corners.clear();
+        corners.resize(particles.len(), Corner::default());
+        parallel::for_chunks_of(128, particles.len(), &mut corners[..], |start, corners| {
+            for (k, corner) in corners.iter_mut().enumerate() {
                 if particles[start + k].is_boundary {
-                    *segment = self.segment(particles, start + k);
+                    *corner = self.corner(particles, start + k);
                 }
             }
         });
-        self.segments = segments;
-        for column in &mut self.columns {
+        self.corners = corners;
+        self.fill(particles, 0, |at, k, _| {
+            let SurfaceParticle { area, pressure, .. } = particles[k];
+            [at[0], at[1], area, area * pressure.abs()]
+        });
+        let mut around = std::mem::take(&mut self.around);
+        around.clear();
+        around.resize(particles.len(), Around::default());
+        parallel::for_chunks_of(64, particles.len(), &mut around[..], |start, around| {
+            for (k, around) in around.iter_mut().enumerate() {
+                *around = self.around(&particles[start + k]);
+            }
+        });
+        let corners = std::mem::take(&mut self.corners);
+        self.fill(particles, 4, |_, k, sign| {
+            let SurfaceParticle { size, foot, tangent: [r, z], force, missing, reference, .. } = particles[k];
+            let Around { area, slope, .. } = around[k];
+            let Corner { area: ds, turn } = corners[k];
+            let radius = (foot[0] + domain.origin).max(0.5 * size);
+            // The pull of the tension: sigma (n_r/R n ds - dt).
+            let hoop = -tension * z / radius - reference;
+            let inverse = if area > 0.0 { 1.0 / area } else { 0.0 };
+            let lack = |axis: usize| {
+                let pull = hoop * ds[axis] - tension * turn[axis];
+                inverse * (pull - force[axis] + missing[axis] * slope * inverse)
+            };
+            let missing = missing.map(|missing| inverse * missing);
+            [sign * r, z, r / radius, sign * lack(0), lack(1), sign * missing[0], missing[1]]
+        });
+        (self.corners, self.around) = (corners, around);
+    }
+
+    /// Fills columns from the `first` one on with what belongs to a place, to the particle behind it and to the
+    /// sign of its radial direction.
+    fn fill<const N: usize>(
+        &mut self,
+        particles: &[SurfaceParticle],
+        first: usize,
+        values: impl Fn([f64; 2], usize, f64) -> [f64; N],
+    ) {
+        let mut columns = std::mem::take(&mut self.columns);
+        for column in &mut columns[first..first + N] {
             column.clear();
             column.resize(self.places[0].len() + WIDTH, 0.0);
         }
         for (place, &member) in self.bins.members().iter().enumerate() {
             let member = member as usize;
             let (source, mirrored) = self.source(member, particles.len());
-            let SurfaceParticle { size, foot, tangent, area, missing, .. } = particles[source];
-            let lack = [self.segments[source][0] - area[0], self.segments[source][1] - area[1]];
-            let sign = if mirrored { -1.0 } else { 1.0 };
-            let values = [
-                self.places[0][member],
-                self.places[1][member],
-                sign * tangent[0],
-                tangent[1],
-                sign * missing[0],
-                missing[1],
-                sign * lack[0],
-                lack[1],
-                area[0].hypot(area[1]),
-                tangent[0] / (foot[0] + domain.origin).max(0.5 * size),
-            ];
-            for (column, value) in self.columns.iter_mut().zip(values) {
+            let at = [self.places[0][member], self.places[1][member]];
+            let values = values(at, source, if mirrored { -1.0 } else { 1.0 });
+            for (column, value) in columns[first..].iter_mut().zip(values) {
                 column[place] = value;
             }
         }
+        self.columns = columns;
     }
 
     /// Bytes that it holds.
     pub fn bytes(&self) -> usize {
         let columns = self.places.iter().chain(&self.columns).map(bytes_of).sum::<usize>();
-        columns + bytes_of(&self.segments) + self.bins.bytes()
+        columns + bytes_of(&self.corners) + bytes_of(&self.around) + self.bins.bytes()
     }
 
     /// The particle behind a member, and whether that is mirrored.
@@ -119,12 +185,12 @@ impl Contour {
         }
     }
 
-    /// n ds: half the way along the contour from the foot before a boundary particle's foot to the one
-    /// after, turned outward.
-    fn segment(&self, particles: &[SurfaceParticle], k: usize) -> [f64; 2] {
+    /// The corner at a boundary particle's foot.
+    fn corner(&self, particles: &[SurfaceParticle], k: usize) -> Corner {
         let SurfaceParticle { size, foot, tangent, .. } = particles[k];
         // Where the contour ends, half a particle's size belongs to its last foot.
         let mut ways = [-size, size].map(|along| tangent.map(|component| along * component));
+        let mut turns = [tangent; 2];
         let mut nearest = [APART * APART * size * size; 2];
         self.bins.near(foot[0], foot[1], APART * size, |range| {
             for &member in &self.bins.members()[range] {
@@ -141,22 +207,22 @@ impl Contour {
                 let is_next = other.is_boundary && member != k && dot(direction, tangent) > 0.0;
                 let side = usize::from(along > 0.0 || (along == 0.0 && member > k));
                 if is_next && across <= along.abs() + ACROSS * size && distance < nearest[side] {
-                    (nearest[side], ways[side]) = (distance, way);
+                    (nearest[side], ways[side], turns[side]) = (distance, way, direction);
                 }
             }
         });
         let [before, after] = ways;
-        [-0.5 * (after[1] - before[1]), 0.5 * (after[0] - before[0])]
+        Corner {
+            area: [-0.5 * (after[1] - before[1]), 0.5 * (after[0] - before[0])],
+            turn: [0.5 * (turns[1][0] - turns[0][0]), 0.5 * (turns[1][1] - turns[0][1])],
+        }
     }
 
-    /// delta at a particle's foot: the sum of W (n ds - A) - R grad_s (W/R) V (I - L) over that of W |A|, with
-    /// W = (1 - q)^4 (1 + 4 q) and dW/dq = -20 q (1 - q)^3.
-    pub fn lack(&self, at: &SurfaceParticle) -> [f64; 2] {
+    /// Calls `add` with W of eight places after the other around a place, and with what loads their columns.
+    fn for_places(&self, at: &SurfaceParticle, mut add: impl FnMut(Kernel, &dyn Fn(usize) -> Lanes)) {
         let support = SUPPORT * at.size;
         let inverse = Lanes::splat(1.0 / support);
         let (r, z) = (Lanes::splat(at.foot[0]), Lanes::splat(at.foot[1]));
-        let steepest = Lanes::splat(-20.0 / support);
-        let mut sums = [Lanes::ZERO; 3];
         self.bins.near(at.foot[0], at.foot[1], support, |range| {
             for start in range.clone().step_by(WIDTH) {
                 let lanes = |column: usize| Lanes::load(&self.columns[column][start..]);
@@ -167,16 +233,41 @@ impl Contour {
                 let q = x.mul_add(x, y * y).sqrt();
                 let inside = only((Lanes::ONE - q).max(Lanes::ZERO));
                 let cube = inside * inside * inside;
-                let kernel = cube * inside * Lanes::splat(4.0).mul_add(q, Lanes::ONE);
-                let along = x.mul_add(lanes(2), y * lanes(3));
-                let slope = steepest * cube * along - kernel * lanes(9);
-                sums[0] += kernel * lanes(6) - slope * lanes(4);
-                sums[1] += kernel * lanes(7) - slope * lanes(5);
-                sums[2] = kernel.mul_add(lanes(8), sums[2]);
+                let value = cube * inside * Lanes::splat(4.0).mul_add(q, Lanes::ONE);
+                add(Kernel { x, y, value, steepness: Lanes::splat(-20.0) * cube }, &lanes);
             }
         });
-        let [r, z, area] = sums.map(|lanes| lanes.sum());
-        if area > 0.0 { [r / area, z / area].map(|lack| lack.clamp(-LARGEST, LARGEST)) } else { [0.0; 2] }
+    }
+
+    /// N, its slope and the mean pressure at a particle's foot.
+    fn around(&self, at: &SurfaceParticle) -> Around {
+        let mut sums = [Lanes::ZERO; 3];
+        let [r, z] = at.tangent.map(Lanes::splat);
+        self.for_places(at, |kernel, lanes| {
+            sums[0] = kernel.value.mul_add(lanes(2), sums[0]);
+            let along = kernel.x.mul_add(r, kernel.y * z);
+            sums[1] -= kernel.steepness * along * lanes(2);
+            sums[2] = kernel.value.mul_add(lanes(3), sums[2]);
+        });
+        let [area, slope, force] = sums.map(|lanes| lanes.sum());
+        let pressure = if area > 0.0 { force / area } else { 0.0 };
+        Around { area, slope: slope / (SUPPORT * at.size), pressure }
+    }
+
+    /// f at the foot of the k-th particle, Pa: the sum of W/N times what is lacking, less
+    /// R grad_s (W/(R N)) V (I - L) (P - P_ref).
+    pub fn lack(&self, particles: &[SurfaceParticle], k: usize) -> [f64; 2] {
+        let mut sums = [Lanes::ZERO; 2];
+        let inverse = Lanes::splat(1.0 / (SUPPORT * particles[k].size));
+        self.for_places(&particles[k], |kernel, lanes| {
+            let along = kernel.x.mul_add(lanes(4), kernel.y * lanes(5));
+            let slope = (inverse * kernel.steepness).mul_add(along, -(kernel.value * lanes(6)));
+            sums[0] += kernel.value.mul_add(lanes(7), -(slope * lanes(9)));
+            sums[1] += kernel.value.mul_add(lanes(8), -(slope * lanes(10)));
+        });
+        let [r, z] = sums.map(|lanes| lanes.sum());
+        let (length, most) = (r.hypot(z), LARGEST * self.around[k].pressure);
+        if length > most { [r, z].map(|lack| lack * most / length) } else { [r, z] }
     }
 }
 
@@ -188,10 +279,10 @@ mod tests {
     const SIZE: f64 = 0.03;
 
     /// Boundary particles around half a circle of radius one at the origin, or all around one far from the
-    /// axis. `depth` is the sum of V (I - L) t over the length of the contour; by the definition of the
-    /// surface's area A then is n (1 - depth) + depth (t_r/R) t, here times `excess`.
+    /// axis, with a tension of one. `depth` is the sum of V (I - L) t over the length of the contour; by the
+    /// definition of the surface's area A then is n (1 - depth) + depth (t_r/R) t, here times `excess`.
     fn circle(origin: f64, depth: f64, excess: f64) -> Vec<SurfaceParticle> {
-        let turn = if origin > 0.0 { 2.0 * PI } else { PI };
+        let (turn, pressure) = if origin > 0.0 { (2.0 * PI, 1.0) } else { (PI, 2.0) };
         let count = (turn / SIZE) as usize;
         let step = turn / count as f64;
         let particle = |k: usize| {
@@ -204,8 +295,11 @@ mod tests {
                 size: SIZE,
                 foot: normal,
                 tangent,
-                area: [area(0), area(1)],
-                missing: tangent.map(|component| step * depth * component),
+                area: area(0).hypot(area(1)),
+                pressure,
+                reference: 0.0,
+                force: [pressure * area(0), pressure * area(1)],
+                missing: tangent.map(|component| pressure * step * depth * component),
             }
         };
         (0..count).map(particle).collect()
@@ -213,29 +307,37 @@ mod tests {
 
     fn taken_up(particles: &[SurfaceParticle], origin: f64) -> Contour {
         let mut contour = Contour::default();
-        contour.gather(particles, SIZE, &Domain { origin, period: None });
+        contour.gather(particles, SIZE, &Domain { origin, period: None }, 1.0);
         contour
     }
 
     #[test]
     fn the_polygon_is_closed_and_as_long_as_the_circle() {
-        let particles = circle(1e3, 0.0, 1.0);
-        let contour = taken_up(&particles, 1e3);
-        let sum = |axis: usize| contour.segments.iter().map(|segment| segment[axis]).sum::<f64>();
-        assert!(sum(0).abs() < 1e-12 && sum(1).abs() < 1e-12, "{} {}", sum(0), sum(1));
-        for (segment, particle) in contour.segments.iter().zip(&particles) {
-            let length = particle.area[0].hypot(particle.area[1]);
-            let outward = dot(*segment, particle.foot);
-            assert!((outward / length - 1.0).abs() < 1e-3, "{outward} {length}");
+        let whole = circle(1e6, 0.0, 1.0);
+        // A gap of four particle sizes.
+        let open = [&whole[..40], &whole[43..]].concat();
+        for particles in [&whole, &open] {
+            let contour = taken_up(particles, 1e6);
+            for axis in 0..2 {
+                let sums = contour.corners.iter().map(|corner| [corner.area[axis], corner.turn[axis]]);
+                let [area, turn] =
+                    sums.fold([0.0; 2], |sum, corner| [sum[0] + corner[0], sum[1] + corner[1]]);
+                assert!(area.abs() < 1e-12 && turn.abs() < 1e-12, "{area} {turn}");
+            }
+        }
+        let contour = taken_up(&whole, 1e6);
+        for (corner, particle) in contour.corners.iter().zip(&whole) {
+            let outward = dot(corner.area, particle.foot);
+            assert!((outward / particle.area - 1.0).abs() < 1e-3, "{outward} {}", particle.area);
         }
     }
 
     #[test]
     fn what_is_too_much_is_lacking_with_the_other_sign() {
-        let particles = circle(1e3, 0.0, 1.04);
-        let contour = taken_up(&particles, 1e3);
-        for particle in &particles {
-            let lack = contour.lack(particle);
+        let particles = circle(1e6, 0.0, 1.04);
+        let contour = taken_up(&particles, 1e6);
+        for (k, particle) in particles.iter().enumerate() {
+            let lack = contour.lack(&particles, k);
             let along_normal = dot(lack, particle.foot);
             assert!((along_normal + 0.04 / 1.04).abs() < 1e-3, "{along_normal}");
             assert!(dot(lack, particle.tangent).abs() < 1e-6);
@@ -244,13 +346,48 @@ mod tests {
 
     #[test]
     fn what_the_tangential_pressure_adds_is_not_lacking() {
-        for origin in [1e3, 0.0] {
+        for origin in [1e6, 0.0] {
             let particles = circle(origin, 0.4 * SIZE, 1.0);
             let contour = taken_up(&particles, origin);
-            for particle in &particles {
-                let lack = contour.lack(particle);
-                assert!(lack[0].hypot(lack[1]) < 2e-3, "{lack:?} at {:?}", particle.foot);
+            for (k, particle) in particles.iter().enumerate() {
+                let lack = contour.lack(&particles, k);
+                assert!(lack[0].hypot(lack[1]) < 4e-3, "{lack:?} at {:?}", particle.foot);
             }
+        }
+    }
+
+    #[test]
+    fn a_reference_acts_on_nothing() {
+        let mut particles = circle(1e6, 0.0, 1.0);
+        for particle in &mut particles {
+            particle.reference = 0.7;
+            particle.force = particle.force.map(|force| 0.3 * force);
+        }
+        let contour = taken_up(&particles, 1e6);
+        for k in 0..particles.len() {
+            let lack = contour.lack(&particles, k);
+            assert!(lack[0].hypot(lack[1]) < 1e-3, "{lack:?}");
+        }
+    }
+
+    #[test]
+    fn a_closed_contour_is_not_driven_by_pressures_that_differ() {
+        let mut particles = circle(1e6, 0.4 * SIZE, 1.0);
+        for particle in &mut particles {
+            // Areas that differ, too, so that N has a slope.
+            let other = 1.0 + 0.3 * particle.foot[0];
+            particle.pressure *= other;
+            particle.area *= 1.0 - 0.2 * particle.foot[0];
+            particle.force = particle.force.map(|force| other * force);
+            particle.missing = particle.missing.map(|missing| other * missing);
+        }
+        let contour = taken_up(&particles, 1e6);
+        for axis in 0..2 {
+            let sum = |of: &dyn Fn(usize) -> f64| (0..particles.len()).map(of).sum::<f64>();
+            let before = sum(&|k| particles[k].force[axis]);
+            let added = sum(&|k| particles[k].area * contour.lack(&particles, k)[axis]);
+            assert!((before + added).abs() < 1e-5, "{before} {added}");
+            assert!(axis == 1 || before > 0.5, "{before}");
         }
     }
 }

@@ -81,19 +81,19 @@ pub static SURFACE_OFFSET_Z: Real = Field::state(
     "m",
     "The way to the surface when the curvature was last computed, axial component; zero inside.",
 );
-/// What the weights of ghosts lack of the surface's area, radial component.
-pub static AREA_LACK_R: Real = Field::state(
-    "area_lack_r",
-    "delta_r",
-    "1",
-    "What the weights of ghosts lack of the surface's area, over their length, radial component.",
+/// What surface forces lack of the tension's pull, radial component.
+pub static TENSION_LACK_R: Real = Field::state(
+    "tension_lack_r",
+    "f_r",
+    "Pa",
+    "What surface forces lack of the tension's pull, over the length of the ghost's area, radial component.",
 );
-/// What the weights of ghosts lack of the surface's area, axial component.
-pub static AREA_LACK_Z: Real = Field::state(
-    "area_lack_z",
-    "delta_z",
-    "1",
-    "What the weights of ghosts lack of the surface's area, over their length, axial component.",
+/// What surface forces lack of the tension's pull, axial component.
+pub static TENSION_LACK_Z: Real = Field::state(
+    "tension_lack_z",
+    "f_z",
+    "Pa",
+    "What surface forces lack of the tension's pull, over the length of the ghost's area, axial component.",
 );
 /// Gradient of the Laplace pressure along the surface, radial component.
 pub static LAPLACE_SLOPE_R: Real = Field::state(

@@ -27,8 +27,8 @@ use meniscus_stages::record::Precision;
 use meniscus_stages::reference_pressure;
 use meniscus_stages::shifting::{Shifting, Strength};
 use meniscus_stages::sort_bin::{ListCheck, SortBin};
-use meniscus_stages::surface_area::SurfaceArea;
 use meniscus_stages::surface_corrections::{StrainCorrection, TangentialPressure};
+use meniscus_stages::tension_balance::TensionBalance;
 use meniscus_stages::time_step::{Courant, TimeStep};
 use meniscus_stages::velocity_gradient::VelocityGradient;
 use meniscus_stages::viscosity::Viscosity;
@@ -263,10 +263,6 @@ impl Builder<'_> {
         if self.plan("curvature", self.with_tension(), reasons) {
             stages.push(self.curvature());
         }
-        let reasons = ("ghosts must add up to the contour's length", "not asked for, or no colour field");
-        if self.plan("surface-area", self.with_slope(), reasons) {
-            stages.push(AnyStage::whole(SurfaceArea::new(&mut self.wiring, self.packing)));
-        }
         let reasons = ("ghosts bring the Laplace pressure to the surface", "there is no surface tension");
         if self.plan("ghost-coupling", self.with_tension(), reasons) {
             let with_energy = self.with_energy();
@@ -275,6 +271,12 @@ impl Builder<'_> {
         let reasons = ("ghosts carry no gradient along the surface", "not asked for, or no colour field");
         if self.plan("tangential-pressure", self.with_slope(), reasons) {
             stages.push(AnyStage::whole(TangentialPressure::new(&mut self.wiring)));
+        }
+        let reasons = ("surface forces must add up to tension's pull", "not asked for, or no colour field");
+        if self.plan("tension-balance", self.with_slope(), reasons) {
+            let (tension, with_energy) = (self.physics.surface_tension, self.with_energy());
+            let stage = TensionBalance::new(&mut self.wiring, self.packing, tension, with_energy);
+            stages.push(AnyStage::whole(stage));
         }
         let reasons = ("the pair sum of the strain is short at the surface", "not asked for, or no tension");
         if self.plan("strain-correction", self.corrects_strain(), reasons) {

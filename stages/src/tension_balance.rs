@@ -1,0 +1,206 @@
+//! The balance of tension: what surface forces lack of its pull at the ends of every piece of the contour.
+//!
+//! Ghosts push with the Laplace pressure P on A = 2 V bw, the part of a particle's surroundings that is
+//! empty, and the tangential pressure adds -V (I - L) grad_s P (method.md, section 10, T). Both together are the
+//! pressure's force on the contour if for any function phi of the place on the surface
+//!
+//!   sum_b R_b [A_b P_b phi_b + V_b (I - L_b) grad_s (P phi)_b] = ∮ R n P phi ds, R the distance from the axis:
+//!
+//! the pair sums of neighbours cancel, those across the edge are what L lacks. With R n P ds = sigma (n_r n ds -
+//! R dt) the right side is what tension does, without P: it pulls along the tangent t at the ends of a piece
+//! (Popinet and Zaleski 1999), and the parts of a rim add up to the whole whatever lies between.
+//! Particles at rest keep that within .2 %; where the flow has drawn the packing out, A is wrong by several per
+//! cent, and so is the momentum that a film's edge gains. So every particle's force becomes larger by |A| f, with
+//! f(x) = sum_k W(x - x_k)/N(x_k) times what is lacking at x_k, a kernel a few particles wide: for phi = 1 nothing
+//! of it is lost. Forces are those of P - P_ref; what the reference does not do on the right side is -P_ref n ds.
+//! The contour is the polygon through the feet, the places on the surface next to the boundary particles.
+
+use crate::contour::{Contour, SurfaceParticle};
+use crate::equation_of_state::Packing;
+use crate::fields;
+use crate::moment::Moment;
+use crate::surface::{BOUNDARY, for_surface};
+use crate::surface_interval::COMPUTED;
+use meniscus_engine::field::clear;
+use meniscus_engine::parallel;
+use meniscus_engine::pipeline::{Fault, Stage, World};
+use meniscus_engine::store::{Add, Read, Update, bytes_of};
+use meniscus_engine::wiring::Wiring;
+
+/// Part of the way to a newly found f that is gone each time: where the surface is rough f is noise, and
+/// taken at once it would drive the roughness on.
+const RELAXATION: f64 = 0.1;
+
+/// The stage. It must follow the curvature, which finds feet and tangents, and whatever else adds to the surface
+/// force, which it completes.
+pub struct TensionBalance {
+    packing: Packing,
+    /// sigma, N/m.
+    tension: f64,
+    position: [Read<f64>; 2],
+    size: Read<f64>,
+    surface: Read<u32>,
+    offset: [Read<f64>; 2],
+    tangent: [Read<f64>; 2],
+    support_lack: [Read<f64>; 3],
+    weight: [Read<f64>; 2],
+    pressure: Read<f64>,
+    slope: [Read<f64>; 2],
+    reference: Read<f64>,
+    lack: [Update<f64>; 2],
+    force: [Add<f64>; 2],
+    work: Option<Work>,
+    numbers: Vec<u32>,
+    particles: Vec<SurfaceParticle>,
+    contour: Contour,
+    found: Vec<[f64; 2]>,
+}
+
+/// The energy equation's part.
+struct Work {
+    velocity: [Read<f64>; 2],
+    power: Add<f64>,
+}
+
+impl TensionBalance {
+    /// Computes f whenever the curvature is computed, for a surface tension in N/m.
+    pub fn new(wiring: &mut Wiring, packing: Packing, tension: f64, with_energy: bool) -> Self {
+        wiring.stage("tension-balance");
+        let support_lack = [&fields::SUPPORT_LACK_RR, &fields::SUPPORT_LACK_RZ, &fields::SUPPORT_LACK_ZZ];
+        TensionBalance {
+            packing,
+            tension,
+            position: [wiring.read(&fields::RADIUS), wiring.read(&fields::AXIAL)],
+            size: wiring.read(&fields::SIZE),
+            surface: wiring.read(&fields::SURFACE),
+            offset: [wiring.read(&fields::SURFACE_OFFSET_R), wiring.read(&fields::SURFACE_OFFSET_Z)],
+            tangent: [wiring.read(&fields::SURFACE_TANGENT_R), wiring.read(&fields::SURFACE_TANGENT_Z)],
+            support_lack: support_lack.map(|field| wiring.read(field)),
+            weight: [wiring.read(&fields::GHOST_WEIGHT_R), wiring.read(&fields::GHOST_WEIGHT_Z)],
+            pressure: wiring.read(&fields::LAPLACE_PRESSURE),
+            slope: [wiring.read(&fields::LAPLACE_SLOPE_R), wiring.read(&fields::LAPLACE_SLOPE_Z)],
+            reference: wiring.read(&fields::REFERENCE_PRESSURE),
+            lack: [wiring.update(&fields::TENSION_LACK_R), wiring.update(&fields::TENSION_LACK_Z)],
+            force: [wiring.add(&fields::SURFACE_FORCE_R), wiring.add(&fields::SURFACE_FORCE_Z)],
+            work: with_energy.then(|| Work {
+                velocity: [wiring.read(&fields::VELOCITY_R), wiring.read(&fields::VELOCITY_Z)],
+                power: wiring.add(&fields::POWER),
+            }),
+            numbers: Vec::new(),
+            particles: Vec::new(),
+            contour: Contour::default(),
+            found: Vec::new(),
+        }
+    }
+
+    /// Takes up the particles that have a surface next to them and a Laplace pressure: spray has none.
+    fn gather(&mut self, world: &World) {
+        let [r, z] = self.position.map(|field| world.store.read(field));
+        let [offset_r, offset_z] = self.offset.map(|field| world.store.read(field));
+        let [tangent_r, tangent_z] = self.tangent.map(|field| world.store.read(field));
+        let [weight_r, weight_z] = self.weight.map(|field| world.store.read(field));
+        let [slope_r, slope_z] = self.slope.map(|field| world.store.read(field));
+        let [rr, rz, zz] = self.support_lack.map(|field| world.store.read(field));
+        let (size, surface) = (world.store.read(self.size), world.store.read(self.surface));
+        let (pressure, reference) = (world.store.read(self.pressure), world.store.read(self.reference));
+        let Packing { largest_size, domain, .. } = self.packing;
+        self.numbers.clear();
+        for_surface(&surface, |i| {
+            if (tangent_r[i], tangent_z[i]) != (0.0, 0.0) && pressure[i] != 0.0 {
+                self.numbers.push(i as u32);
+            }
+        });
+        self.particles.clear();
+        self.particles.extend(self.numbers.iter().map(|&i| {
+            let i = i as usize;
+            let foot = [r[i] + offset_r[i], z[i] + offset_z[i]];
+            let tangent = [tangent_r[i], tangent_z[i]];
+            let nearest = 0.5 * size[i].min(largest_size);
+            let ring = ((r[i] + domain.origin) / (foot[0] + domain.origin).max(nearest)).clamp(0.5, 1.5);
+            let volume = size[i] * size[i] * ring;
+            let area = [2.0 * volume * weight_r[i], 2.0 * volume * weight_z[i]];
+            let missing = Moment { rr: rr[i], rz: rz[i], zz: zz[i] };
+            let acting = pressure[i] - reference[i];
+            let [tangential_r, tangential_z] = missing.apply([slope_r[i], slope_z[i]]);
+            SurfaceParticle {
+                is_boundary: surface[i] == BOUNDARY,
+                size: size[i].min(largest_size),
+                foot,
+                tangent,
+                area: area[0].hypot(area[1]),
+                pressure: pressure[i],
+                reference: reference[i],
+                force: [acting * area[0] + volume * tangential_r, acting * area[1] + volume * tangential_z],
+                missing: missing.apply(tangent).map(|missing| acting * volume * missing),
+            }
+        }));
+    }
+
+    /// f at the feet of all particles taken up.
+    fn measure(&mut self) {
+        let Packing { largest_size, domain, .. } = self.packing;
+        self.contour.gather(&self.particles, largest_size, &domain, self.tension);
+        let (contour, particles) = (&self.contour, &self.particles[..]);
+        self.found.clear();
+        self.found.resize(particles.len(), [0.0; 2]);
+        parallel::for_chunks_of(64, particles.len(), &mut self.found[..], |start, found| {
+            for (k, found) in found.iter_mut().enumerate() {
+                *found = contour.lack(particles, start + k);
+            }
+        });
+    }
+
+    /// Goes part of the way to what was found.
+    fn store_lack(&self, world: &World) {
+        for (axis, field) in self.lack.into_iter().enumerate() {
+            let mut lack = world.store.write(field);
+            let before = self.numbers.iter().map(|&i| lack[i as usize]);
+            let before: &[f64] = world.arena.alloc_slice_fill_iter(before);
+            clear(&mut lack[..]);
+            for ((&i, found), before) in self.numbers.iter().zip(&self.found).zip(before) {
+                lack[i as usize] = before + RELAXATION * (found[axis] - before);
+            }
+        }
+    }
+}
+
+impl Stage for TensionBalance {
+    fn name(&self) -> &'static str {
+        "tension-balance"
+    }
+
+    fn bytes(&self) -> usize {
+        let own = bytes_of(&self.numbers) + bytes_of(&self.particles) + bytes_of(&self.found);
+        own + self.contour.bytes()
+    }
+
+    fn run(&mut self, world: &mut World) -> Result<(), Fault> {
+        if world.clock.mark(COMPUTED) == world.clock.time {
+            self.gather(world);
+            self.measure();
+            self.store_lack(world);
+        }
+        let store = &world.store;
+        let surface = store.read(self.surface);
+        let [lack_r, lack_z] = self.lack.map(|field| store.write(field));
+        let [weight_r, weight_z] = self.weight.map(|field| store.read(field));
+        let [mut force_r, mut force_z] = self.force.map(|field| store.write(field));
+        let velocity = self.work.as_ref().map(|work| work.velocity.map(|field| store.read(field)));
+        let velocity = velocity.as_ref().map(|[u, w]| (&u[..], &w[..]));
+        let mut power = self.work.as_ref().map(|work| store.write(work.power));
+        let columns = (&mut force_r[..], &mut force_z[..], power.as_deref_mut());
+        parallel::for_chunks(surface.len(), columns, |start, (force_r, force_z, mut power)| {
+            for_surface(&surface[start..start + force_r.len()], |k| {
+                let i = start + k;
+                let length = 2.0 * (weight_r[i] * weight_r[i] + weight_z[i] * weight_z[i]).sqrt();
+                let [r, z] = [length * lack_r[i], length * lack_z[i]];
+                force_r[k] -= r;
+                force_z[k] -= z;
+                if let (Some(power), Some((u, w))) = (&mut power, velocity) {
+                    power[k] -= r * u[i] + z * w[i];
+                }
+            });
+        });
+        Ok(())
+    }
+}
