@@ -113,12 +113,11 @@ fn rest(resolution: u32) -> (f64, f64, f64) {
 
 #[test]
 fn a_resting_drop_holds_laplaces_pressure() {
-    // The liquid's own compression makes the drop .085 % smaller; +.08 and +.15 % were measured at 12 and
-    // 18 particles per radius, and packings scatter by .1 %.
+    // Packings scatter by less than .1 %.
     let (coarse, early, late) = rest(12);
     assert!(coarse.abs() < 0.003, "{coarse}");
-    // An unsettled start leaves .7e-3 in undamped modes; a settled one stays below 1e-5 and is damped.
-    assert!(late < 2e-5 && late <= early, "{early:e} {late:e}");
+    // A start whose outermost layer undulates leaves 1e-3 in undamped modes; one that doesn't 1e-6, and that stays.
+    assert!(late < 4e-6 && early < 4e-6, "{early:e} {late:e}");
     let (fine, ..) = rest(18);
     assert!(fine.abs() < 0.003, "{fine}");
 }

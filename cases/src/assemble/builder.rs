@@ -191,10 +191,6 @@ impl Builder<'_> {
         if self.plan("velocity-gradient", self.with_gradient(), reasons) {
             stages.push(self.velocity_gradient());
         }
-        let reasons = ("flows draw particles out into rows", "its coefficient is zero");
-        if self.plan("shifting", self.shifting() > 0.0, reasons) {
-            stages.push(self.shift());
-        }
         let reasons = ("surface tension or shifting must know where neighbours lack", "nothing acts there");
         if self.plan("incomplete-support", self.with_surface(), reasons) {
             stages.push(self.incomplete_support());
@@ -246,6 +242,10 @@ impl Builder<'_> {
         if self.plan("axis-contact", at_axis, reasons) {
             let (packing, slope) = (self.packing, self.physics.equation.shock_slope());
             stages.push(AnyStage::chunks(AxisContact::new(&mut self.wiring, packing, slope)));
+        }
+        let reasons = ("flows draw particles out into rows", "its coefficient is zero");
+        if self.plan("shifting", self.shifting() > 0.0, reasons) {
+            stages.push(self.shift());
         }
     }
 
