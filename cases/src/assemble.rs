@@ -118,6 +118,6 @@ pub fn assemble(physics: &Physics) -> Result<Assembly, WiringError> {
     builder.wiring.check()?;
     let plan = std::mem::take(&mut builder.plan);
     let start = builder.start();
-    let pipeline = Pipeline::new(start, stages, &builder.wiring);
+    let pipeline = Pipeline::new(start, stages, &builder.wiring)?;
     Ok(Assembly { wiring: builder.wiring, pipeline, plan })
 }

@@ -5,7 +5,7 @@ use crate::group::{ChunkStage, Group};
 use crate::lanes::RowTable;
 use crate::neighbours::NeighbourList;
 use crate::store::Store;
-use crate::wiring::Wiring;
+use crate::wiring::{Wiring, WiringError};
 use bumpalo::Bump;
 use std::ops::AddAssign;
 use std::time::{Duration, Instant};
@@ -216,10 +216,16 @@ pub struct Pipeline {
 impl Pipeline {
     /// A pipeline that runs `start` once before the first step of a new run, then `stages` every step. The wiring has
     /// given the stages their handles.
-    pub fn new(start: Vec<AnyStage>, stages: Vec<AnyStage>, wiring: &Wiring) -> Self {
+    ///
+    /// # Errors
+    /// Stages that hand each other what is only held within a group, and are not of one.
+    pub fn new(start: Vec<AnyStage>, stages: Vec<AnyStage>, wiring: &Wiring) -> Result<Self, WiringError> {
         let [start, works] = [start, stages].map(|stages| Work::of(stages, wiring));
+        for works in [&start, &works] {
+            wiring.check_transients(&works.iter().map(Work::names).collect::<Vec<_>>())?;
+        }
         let costs = works.iter().flat_map(Work::names).map(Cost::of).collect();
-        Pipeline { start, works, costs }
+        Ok(Pipeline { start, works, costs })
     }
 
     /// Bytes that the stages of a step keep for themselves.
@@ -284,5 +290,91 @@ impl Pipeline {
         }
         world.clock.advance();
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::field::Field;
+    use crate::group::{Around, Chunk, Partial};
+    use crate::store::{Read, Update, Write};
+
+    static PLACE: Field<f64> = Field::state("place", "x", "m", "Where it is.");
+    static WAY: Field<f64> = Field::transient("way", "dx", "m", "How far it goes.");
+
+    struct Choose(Read<f64>, Write<f64>);
+    struct Go(Read<f64>, Update<f64>);
+    struct Rest;
+
+    impl ChunkStage for Choose {
+        fn name(&self) -> &'static str {
+            "choose"
+        }
+        fn chunk(&self, _: &Around, chunk: &Chunk) -> Partial {
+            let place = chunk.read(self.0);
+            chunk.write(self.1).iter_mut().zip(&*place).for_each(|(way, place)| *way = 2.0 * place);
+            [place.iter().sum(), 0.0]
+        }
+        fn finish(&mut self, world: &mut World, [sum, _]: Partial) -> Result<(), Fault> {
+            world.clock.limit("sum", sum);
+            Ok(())
+        }
+    }
+
+    impl ChunkStage for Go {
+        fn name(&self) -> &'static str {
+            "go"
+        }
+        fn chunk(&self, _: &Around, chunk: &Chunk) -> Partial {
+            let way = chunk.read(self.0);
+            chunk.write(self.1).iter_mut().zip(&*way).for_each(|(place, way)| *place += way);
+            Partial::default()
+        }
+    }
+
+    impl Stage for Rest {
+        fn name(&self) -> &'static str {
+            "rest"
+        }
+        fn run(&mut self, _: &mut World) -> Result<(), Fault> {
+            Ok(())
+        }
+    }
+
+    fn wired() -> (Wiring, Choose, Go) {
+        let mut wiring = Wiring::new();
+        wiring.stage("choose");
+        let choose = Choose(wiring.read(&PLACE), wiring.write(&WAY));
+        wiring.stage("go");
+        let go = Go(wiring.read(&WAY), wiring.update(&PLACE));
+        (wiring, choose, go)
+    }
+
+    #[test]
+    fn stages_of_a_group_hand_on_what_has_no_column() {
+        let (wiring, choose, go) = wired();
+        let stages = vec![AnyStage::chunks(choose), AnyStage::chunks(go), AnyStage::whole(Rest)];
+        let mut pipeline = Pipeline::new(Vec::new(), stages, &wiring).unwrap();
+        let mut world = World::new(wiring.allocate(3000), Clock::default());
+        let places: Vec<f64> = (0..3000).map(f64::from).collect();
+        assert!(world.store.set("place", &places) && world.store.by_name::<f64>("way").is_none());
+        pipeline.step(&mut world).unwrap();
+        assert_eq!(world.clock.time, 2999.0 * 3000.0 / 2.0, "what chunks found is combined");
+        let expected: Vec<f64> = places.iter().map(|place| 3.0 * place).collect();
+        assert_eq!(&*world.store.by_name::<f64>("place").unwrap(), &expected);
+        assert!(pipeline.costs().iter().all(|cost| cost.calls == 1));
+    }
+
+    #[test]
+    fn what_is_read_beyond_its_group_is_explained() {
+        let (wiring, choose, go) = wired();
+        let stages = vec![AnyStage::chunks(choose), AnyStage::whole(Rest), AnyStage::chunks(go)];
+        let error = Pipeline::new(Vec::new(), stages, &wiring).err().expect("a mistake").to_string();
+        assert_eq!(
+            error,
+            "stage `go` reads `way`, which is only held while `choose` and the stages after it take a chunk in \
+             turn; move it there"
+        );
     }
 }

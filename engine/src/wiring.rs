@@ -117,6 +117,33 @@ impl Wiring {
         if sentences.is_empty() { Ok(()) } else { Err(WiringError { sentences }) }
     }
 
+    /// Checks that what is Transient is written and read by stages that take the same chunks in turn; `works` are the
+    /// names of those, as they follow each other.
+    ///
+    /// # Errors
+    /// One sentence per mistake.
+    pub(crate) fn check_transients(&self, works: &[Vec<&'static str>]) -> Result<(), WiringError> {
+        let place = |used: &Use| works.iter().position(|stages| stages.contains(&used.stage));
+        let transient: Vec<&Use> =
+            self.uses.iter().filter(|used| used.field.role == Role::Transient).collect();
+        let mut sentences: Vec<String> = Vec::new();
+        for read in transient.iter().filter(|used| used.access != Access::Write) {
+            let of_field = |used: &&&Use| used.access == Access::Write && used.field.name == read.field.name;
+            let far = transient.iter().filter(of_field).find(|written| {
+                let places = (place(written), place(read));
+                places.0.is_some() && places.1.is_some() && places.0 != places.1
+            });
+            if let Some(written) = far {
+                let (reader, name, writer) = (read.stage, read.field.name, written.stage);
+                sentences.push(format!(
+                    "stage `{reader}` reads `{name}`, which is only held while `{writer}` and the stages after it take \
+                     a chunk in turn; move it there"
+                ));
+            }
+        }
+        if sentences.is_empty() { Ok(()) } else { Err(WiringError { sentences }) }
+    }
+
     fn check_derived(&self, name: &str, sentences: &mut Vec<String>) {
         let mut written: Option<&Use> = None;
         let mut unread: Option<&Use> = None;
