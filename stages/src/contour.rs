@@ -16,10 +16,8 @@ const ACROSS: f64 = 0.2;
 /// Largest f over the mean pressure of the ghosts around: in a crack or in spray there is no contour to speak of.
 const LARGEST: f64 = 1.0;
 
-/// A foot counts as no nearer to the axis than so many particle sizes: those of a regular packing's innermost rings lie
-/// at .43. (With .5 a drop's poles become rough: in one that has swung once, with 56 to the radius, a curvature was 40 % off;
-/// with .35 rings that close on the axis after a jet has torn are drawn together.)
-pub(crate) const NEAREST: f64 = 0.42;
+/// A foot counts as no nearer to the axis than so many particle sizes where it is divided by its distance.
+const NEAREST: f64 = 0.5;
 
 /// A particle at the surface or near it. Pressures are in Pa, lengths in m; what belongs to a particle is
 /// multiplied by its distance from the axis over its foot's.
@@ -134,12 +132,16 @@ impl Contour {
         });
         let corners = std::mem::take(&mut self.corners);
         self.fill(particles, 4, |_, k, sign| {
-            let SurfaceParticle { size, foot, tangent: [r, z], force, missing, reference, .. } = particles[k];
+            let SurfaceParticle { size, foot, tangent: [r, z], force, missing, pressure, reference, .. } =
+                particles[k];
             let Around { area, slope, .. } = around[k];
             let Corner { area: ds, turn } = corners[k];
             let radius = (foot[0] + domain.origin).max(NEAREST * size);
-            // The pull of the tension: sigma (n_r/R n ds - dt).
-            let hoop = -tension * z / radius - reference;
+            // The pull of the tension: sigma (n_r/R n ds - dt). On the axis both curvatures are the same. (With the
+            // hoop's at the nearest distance instead the poles become rough: a curvature was 40 % off in a drop with
+            // 56 to the radius that had swung once.)
+            let on_axis = foot[0] + domain.origin < NEAREST * size;
+            let hoop = if on_axis { 0.5 * pressure } else { -tension * z / radius } - reference;
             let inverse = if area > 0.0 { 1.0 / area } else { 0.0 };
             let lack = |axis: usize| {
                 let pull = hoop * ds[axis] - tension * turn[axis];

@@ -15,7 +15,7 @@
 //! of it is lost. Forces are those of P - P_ref; what the reference does not do on the right side is -P_ref n ds.
 //! The contour is the polygon through the feet, the places on the surface next to the boundary particles.
 
-use crate::contour::{Contour, NEAREST, SurfaceParticle};
+use crate::contour::{Contour, SurfaceParticle};
 use crate::equation_of_state::Packing;
 use crate::fields;
 use crate::moment::Moment;
@@ -115,7 +115,7 @@ impl TensionBalance {
             let i = i as usize;
             let foot = [r[i] + offset_r[i], z[i] + offset_z[i]];
             let tangent = [tangent_r[i], tangent_z[i]];
-            let nearest = NEAREST * size[i].min(largest_size);
+            let nearest = 0.1 * size[i].min(largest_size);
             let ring = ((r[i] + domain.origin) / (foot[0] + domain.origin).max(nearest)).clamp(0.5, 1.5);
             let volume = size[i] * size[i] * ring;
             let area = [2.0 * volume * weight_r[i], 2.0 * volume * weight_z[i]];
