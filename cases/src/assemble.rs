@@ -1,6 +1,7 @@
 //! From a scene's choices to a pipeline: one line a stage, with the reason why it is in or left out.
 
 mod builder;
+mod choices;
 mod flux;
 
 use crate::scene::Method;

@@ -136,7 +136,8 @@ where
 }
 
 /// Does the work of one chunk, and tells a subscriber when it begins and ends: from that a profile knows how
-/// long each thread was busy. It is a chunk of the named stage, or of the present one without a name. A span would say the same, but what it does when it is dropped costs the hot
+/// long each thread was busy. It is a chunk of the named stage, or of the present one without a name. A span would
+/// say the same, but what it does when it is dropped costs the hot
 /// loops 2 % even where nobody listens.
 #[inline(always)]
 pub(crate) fn told<R>(stage: &str, work: impl FnOnce() -> R) -> R {

@@ -1,4 +1,4 @@
-//! The moment matrix of one particle: its eigenvalues and inverse.
+//! The moment matrix of one particle: its eigenvalues and anisotropy.
 
 /// A symmetric 2 x 2 matrix, rows and columns in the order r, z.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,22 +51,6 @@ impl Moment {
     pub fn apply(&self, [r, z]: [f64; 2]) -> [f64; 2] {
         [self.rr * r + self.rz * z, self.rz * r + self.zz * z]
     }
-
-    /// The inverse; entries are not finite where the matrix is singular.
-    #[inline]
-    pub fn inverse(&self) -> Moment {
-        let inverse = 1.0 / (self.rr * self.zz - self.rz * self.rz);
-        Moment { rr: self.zz * inverse, rz: -self.rz * inverse, zz: self.rr * inverse }
-    }
-
-    /// T L^{-1} for T in the order rr, rz, zr, zz (velocity component, direction).
-    #[inline]
-    pub fn solve(&self, sum: [f64; 4]) -> [f64; 4] {
-        let inverse = self.inverse();
-        let [rr, rz] = inverse.apply([sum[0], sum[1]]);
-        let [zr, zz] = inverse.apply([sum[2], sum[3]]);
-        [rr, rz, zr, zz]
-    }
 }
 
 #[cfg(test)]
@@ -74,10 +58,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn eigenvalue_and_inverse() {
+    fn eigenvalues_and_anisotropy() {
+        // Eigenvalues 1 and 3.
         let moment = Moment { rr: 2.0, rz: 1.0, zz: 2.0 };
         assert!(moment.eigenvalues_at_least(0.999) && !moment.eigenvalues_at_least(1.001));
-        let [r, z] = moment.inverse().apply(moment.apply([0.3, -0.7]));
-        assert!((r - 0.3).abs() < 1e-15 && (z + 0.7).abs() < 1e-15);
+        assert_eq!(moment.anisotropy(), 0.5);
+        assert!(moment.is_anisotropic(0.499) && !moment.is_anisotropic(0.501));
+        assert_eq!(Moment::of_lack([-1.0, -1.0, -1.0]), moment);
     }
 }

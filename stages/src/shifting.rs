@@ -88,9 +88,9 @@ impl Carrying {
         }
     }
 
-    /// Carries velocities along the shifts of a chunk; gives the axial momentum that comes in and the sum of its
+    /// Carries velocities along the shifts of a chunk, each asked for once; gives the axial momentum that comes in and the sum of its
     /// parts' magnitudes.
-    fn carry(&self, chunk: &Chunk, shift: impl Fn(usize) -> [f64; 2]) -> Partial {
+    fn carry(&self, chunk: &Chunk, mut shift: impl FnMut(usize) -> [f64; 2]) -> Partial {
         let [rr, shear, zz] = self.deformation.map(|field| chunk.read(field));
         let (rotation, mass) = (chunk.read(self.rotation), chunk.read(self.mass));
         let [mut u, mut w] = self.velocity.map(|field| chunk.write(field));
@@ -161,13 +161,13 @@ fn along_surface(shift: [f64; 2], outward: [f64; 2], surface: u32) -> [f64; 2] {
 }
 
 /// What decides on the shifts of a chunk.
-struct Packed<'a> {
+struct Neighbourhoods<'a> {
     size: Ref<'a, [f64]>,
     surface: Ref<'a, [u32]>,
     moment: [Ref<'a, [f64]>; 3],
 }
 
-impl Packed<'_> {
+impl Neighbourhoods<'_> {
     fn moment(&self, k: usize) -> Moment {
         let [rr, rz, zz] = &self.moment;
         Moment { rr: rr[k], rz: rz[k], zz: zz[k] }
@@ -202,22 +202,28 @@ impl Packed<'_> {
 
 impl Shifting {
     /// The shift of a particle at a distance from the axis that needs some part of its full strength, in m.
-    fn shift(&self, chunk: &Columns, packed: &Packed, k: usize, (radius, needed): (f64, f64)) -> [f64; 2] {
+    fn shift(
+        &self,
+        columns: &Columns,
+        neighbourhoods: &Neighbourhoods,
+        k: usize,
+        (radius, needed): (f64, f64),
+    ) -> [f64; 2] {
         let Strength { coefficient, speed, rate, theta, everywhere, .. } = self.strength;
-        let size = packed.size[k];
+        let size = neighbourhoods.size[k];
         let support = 4.0 * theta * size;
-        let speed = match &chunk.deformation {
+        let speed = match &columns.deformation {
             Some([rr, shear, zz]) => {
                 let square = rr[k] * rr[k] + zz[k] * zz[k] + 0.5 * shear[k] * shear[k];
                 (support * (square.sqrt() - GENTLE * rate).max(0.0)).min(speed)
             }
             None => speed,
         };
-        let factor = needed * coefficient * speed * chunk.step_size * support;
-        let [crowding_r, crowding_z] = &chunk.crowding;
+        let factor = needed * coefficient * speed * columns.step_size * support;
+        let [crowding_r, crowding_z] = &columns.crowding;
         let shift = [-factor * crowding_r[k], -factor * crowding_z[k]];
-        let surface = packed.surface[k];
-        let outward = [chunk.weight[0][k], chunk.weight[1][k]];
+        let surface = neighbourhoods.surface[k];
+        let outward = [columns.weight[0][k], columns.weight[1][k]];
         let outwards = everywhere && surface == NEAR_BOUNDARY;
         let shift = if outwards { shift } else { along_surface(shift, outward, surface) };
         let length = (shift[0] * shift[0] + shift[1] * shift[1]).sqrt();
@@ -244,7 +250,7 @@ impl ChunkStage for Shifting {
     fn chunk(&self, around: &Around, chunk: &Chunk) -> Partial {
         // As far as particles shift in a step, one is as long as the one before.
         let step_size = around.clock.previous_step_size;
-        let packed = Packed {
+        let neighbourhoods = Neighbourhoods {
             size: chunk.read(self.size),
             surface: chunk.read(self.surface),
             moment: self.moment.map(|field| chunk.read(field)),
@@ -258,26 +264,31 @@ impl ChunkStage for Shifting {
         let [mut r, mut z] = self.position.map(|field| chunk.write(field));
         let Strength { origin, everywhere, .. } = self.strength;
         if everywhere {
-            let shift = |k: usize| self.shift(&columns, &packed, k, (r[k] + origin, 1.0));
-            let found = self.carrying.as_ref().map(|carrying| carrying.carry(chunk, shift));
-            for k in 0..chunk.len() {
-                let shift = self.shift(&columns, &packed, k, (r[k] + origin, 1.0));
+            let mut shift = |k: usize| {
+                let shift = self.shift(&columns, &neighbourhoods, k, (r[k] + origin, 1.0));
                 r[k] += shift[0];
                 z[k] += shift[1];
+                shift
+            };
+            if let Some(carrying) = &self.carrying {
+                return carrying.carry(chunk, shift);
             }
-            return found.unwrap_or_default();
+            (0..chunk.len()).for_each(|k| {
+                shift(k);
+            });
+            return Partial::default();
         }
         let mut quiet = false;
         for k in 0..chunk.len() {
             // Most particles need no shift: eight of them are tested at once for it.
             if k % WIDTH == 0 {
                 let whole = chunk.len() - k >= WIDTH;
-                quiet = whole && packed.are_quiet(k, Lanes::load(&r[k..]) + Lanes::splat(origin));
+                quiet = whole && neighbourhoods.are_quiet(k, Lanes::load(&r[k..]) + Lanes::splat(origin));
             }
             let radius = r[k] + origin;
-            let needed = if quiet { 0.0 } else { packed.need(k, radius) };
+            let needed = if quiet { 0.0 } else { neighbourhoods.need(k, radius) };
             if needed > 0.0 {
-                let shift = self.shift(&columns, &packed, k, (radius, needed));
+                let shift = self.shift(&columns, &neighbourhoods, k, (radius, needed));
                 r[k] += shift[0];
                 z[k] += shift[1];
             }

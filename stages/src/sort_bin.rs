@@ -59,10 +59,11 @@ impl SortBin {
         self.packing.are_within([&r, &z, &density, &mass], listed)
     }
 
-    /// Calls `build` with list and places. This is the first stage: Derived columns hold nothing yet, and lend the
-    /// list their memory.
+    /// Calls `build` with list and places. This is the first stage: Derived columns lend the list
+    /// their memory, and what they held must be made anew.
     fn with_list<R>(&self, world: &mut World, build: impl FnOnce(&mut NeighbourList, [&[f64]; 3]) -> R) -> R {
         world.store.swap_derived(&mut world.neighbours.scratch);
+        world.rows.are_current = false;
         let listed = self.listed.map(|field| world.store.write(field));
         let built = build(&mut world.neighbours, listed.each_ref().map(|column| &column[..]));
         drop(listed);
@@ -152,7 +153,6 @@ impl Stage for SortBin {
         let holds = !world.neighbours.is_empty() && checked.unwrap_or_else(|| self.is_valid(world));
         if !holds {
             self.renew(world);
-            world.rows.are_current = false;
         }
         Ok(())
     }

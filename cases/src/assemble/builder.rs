@@ -1,10 +1,7 @@
 //! The stages of a step: one line a stage, with the reason why it is in or left out.
 
 use super::{Equation, Physics, PlanLine};
-use crate::scene::{
-    AxisTreatment, Curvature, FREE_SHIFTING, FREE_SHIFTING_THETA, Flux, Recoil, ReferencePressure, SHIFTING,
-    Scheme, TimeIntegration,
-};
+use crate::scene::{AxisTreatment, Curvature, Scheme, TimeIntegration};
 use meniscus_engine::pipeline::AnyStage;
 use meniscus_engine::wiring::Wiring;
 use meniscus_stages::axis_contact::AxisContact;
@@ -15,7 +12,7 @@ use meniscus_stages::correction::MomentumCorrection;
 use meniscus_stages::curvature_colour::{ColourCurvature, CurvatureColour};
 use meniscus_stages::curvature_normals::CurvatureNormals;
 use meniscus_stages::drops::Drops;
-use meniscus_stages::equation_of_state::{Packing, Second, State};
+use meniscus_stages::equation_of_state::{Packing, State};
 use meniscus_stages::fields;
 use meniscus_stages::ghost_coupling::GhostCoupling;
 use meniscus_stages::incomplete_support::IncompleteSupport;
@@ -23,7 +20,6 @@ use meniscus_stages::initial_pressure::InitialPressure;
 use meniscus_stages::integrate::{self, Integrate};
 use meniscus_stages::kernel_correction::KernelCorrection;
 use meniscus_stages::liquids::EquationOfState;
-use meniscus_stages::record::Precision;
 use meniscus_stages::reference_pressure;
 use meniscus_stages::shifting::{Shifting, Strength};
 use meniscus_stages::sort_bin::{ListCheck, SortBin};
@@ -51,89 +47,6 @@ impl Builder<'_> {
         let reason = if present { reasons.0 } else { reasons.1 }.to_string();
         self.plan.push(PlanLine { stage, present, reason });
         present
-    }
-
-    fn with_tension(&self) -> bool {
-        self.physics.surface_tension > 0.0
-    }
-
-    /// A reference pressure belongs to a drop under surface tension: elsewhere none builds up.
-    fn with_reference(&self) -> bool {
-        let asked = self.physics.method.reference_pressure == ReferencePressure::Drop;
-        asked && self.with_tension()
-    }
-
-    fn with_drops(&self) -> bool {
-        let recoil = self.physics.method.momentum_correction == Recoil::Drop;
-        self.with_reference() || (self.with_tension() && (recoil || self.colour_curvature()))
-    }
-
-    pub(super) fn with_energy(&self) -> bool {
-        self.physics.equation.with_energy()
-    }
-
-    pub(super) fn shifting(&self) -> f64 {
-        self.physics.method.shifting.unwrap_or(match (self.with_tension(), self.with_energy()) {
-            (true, _) => SHIFTING,
-            (false, false) => {
-                let [full, none] = FREE_SHIFTING_THETA;
-                FREE_SHIFTING * ((none - self.physics.method.theta) / (none - full)).clamp(0.0, 1.0)
-            }
-            // It makes a plane shock in water a quarter worse, and costs two thirds more.
-            (false, true) => 0.0,
-        })
-    }
-
-    /// Shifting must know the surface, too.
-    pub(super) fn with_surface(&self) -> bool {
-        self.with_tension() || self.shifting() > 0.0
-    }
-
-    pub(super) fn with_viscosity(&self) -> bool {
-        self.physics.viscosity > 0.0
-    }
-
-    /// The reconstruction, viscosity and the strain's correction start from the velocity gradient.
-    pub(super) fn with_gradient(&self) -> bool {
-        self.reconstructs() || self.with_viscosity() || self.corrects_strain()
-    }
-
-    /// Whether particles shift everywhere, not only where it is needed.
-    fn shifts_everywhere(&self) -> bool {
-        self.shifting() > 0.0 && !self.with_tension()
-    }
-
-    /// Whether velocities are carried along the shifts. The energy equation knows nothing of a velocity that changes
-    /// so.
-    fn with_carrying(&self) -> bool {
-        self.shifts_everywhere() && self.reconstructs() && !self.with_energy()
-    }
-
-    pub(super) fn reconstructs(&self) -> bool {
-        self.physics.method.flux == Flux::Reconstructed
-    }
-
-    /// Shocks run where the pressure depends on the energy; the first-order flux resolves them. A viscous
-    /// liquid's rows hold its rate of deformation where those of shocks have the density.
-    pub(super) fn with_shocks(&self) -> bool {
-        let asked = self.physics.method.shock_contacts && !self.with_viscosity();
-        asked && self.with_energy() && !self.reconstructs()
-    }
-
-    /// Rows of single precision have one length.
-    pub(super) fn second_row(&self) -> Second {
-        let method = &self.physics.method;
-        if self.with_shocks() {
-            Second::Density
-        } else if self.with_gradient() || method.kernel_correction || method.precision == Precision::Mixed {
-            Second::Deformation
-        } else {
-            Second::Nothing
-        }
-    }
-
-    fn corrects_strain(&self) -> bool {
-        self.with_tension() && self.physics.method.strain_correction
     }
 
     /// The equation of state at the start of a step, and the same at its end.
@@ -343,14 +256,6 @@ impl Builder<'_> {
         });
         let interval = method.curvature_interval;
         AnyStage::whole(BoundaryDetect::new(&mut self.wiring, self.packing, interval, guard))
-    }
-
-    fn colour_curvature(&self) -> bool {
-        self.with_tension() && self.physics.method.curvature == Curvature::ColourField
-    }
-
-    fn with_slope(&self) -> bool {
-        self.colour_curvature() && self.physics.method.tangential_pressure
     }
 
     fn curvature(&mut self) -> AnyStage {

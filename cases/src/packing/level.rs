@@ -15,12 +15,19 @@ const SUPPORT: f64 = 6.0;
 
 /// The continuum outside of the region that [`gap`] asks for.
 pub(super) fn outside(domain: &Domain) -> Vec<Source> {
-    dust(domain, support(domain), DUST)
+    dust(domain, within_period(domain, SUPPORT), DUST)
 }
 
-/// One image on either side must cover the kernel.
-fn support(domain: &Domain) -> f64 {
-    domain.period.map_or(SUPPORT, |period| period.min(SUPPORT))
+/// A support radius of a kernel that one image on either side covers.
+pub(super) fn within_period(domain: &Domain, support: f64) -> f64 {
+    domain.period.map_or(support, |period| period.min(support))
+}
+
+/// The point of the boundary next to a particle of the outermost layer.
+pub(super) fn foot(domain: &Domain, point: Point) -> Option<Point> {
+    let depth = -domain.signed_distance(point);
+    let (outward, slope) = domain.outward(point).filter(|_| depth < CAPTURE)?;
+    Some([0, 1].map(|axis| point[axis] + depth / slope * outward[axis]))
 }
 
 /// How far, in particle sizes, the contour of `points` and `fixed`, each with `area` in squares of a particle
@@ -34,19 +41,14 @@ pub(super) fn gap(
     outside: &[Source],
     area: f64,
 ) -> f64 {
-    let support = support(domain);
+    let support = within_period(domain, SUPPORT);
     let particles = points.iter().chain(fixed);
     let mut sources: Vec<Source> = particles.map(|&point| Source { point, area }).collect();
     sources.extend_from_slice(outside);
     add_images(domain, support, &mut sources);
     let mut cells = Cells::default();
     cells.fill(&sources);
-    let gap_at = |point: &Point| {
-        let depth = -domain.signed_distance(*point);
-        let (outward, slope) = domain.outward(*point).filter(|_| depth < CAPTURE)?;
-        let foot = [0, 1].map(|axis| point[axis] + depth / slope * outward[axis]);
-        Some(1.0 - sum(&cells, foot, support))
-    };
+    let gap_at = |point: &Point| foot(domain, *point).map(|foot| 1.0 - sum(&cells, foot, support));
     let gaps: Vec<f64> = points.par_iter().filter_map(gap_at).collect();
     // A straight edge's slope: the integral of the kernel along a line through its centre.
     let slope = 14.0 / (3.0 * PI * support);

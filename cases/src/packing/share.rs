@@ -8,7 +8,8 @@
 
 use super::cells::Cells;
 use super::domain::{Domain, Point, Source};
-use super::relax::{CAPTURE, add_images, dust};
+use super::level::{foot, within_period};
+use super::relax::{add_images, dust};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
@@ -31,7 +32,7 @@ const MOST: f64 = 0.1;
 
 /// What each of the `points` gets, one in the mean; `fixed` are particles that have one.
 pub(super) fn shares(domain: &Domain, points: &[Point], fixed: &[Point], area: f64) -> Vec<f64> {
-    let support = domain.period.map_or(SUPPORT, |period| period.min(SUPPORT));
+    let support = within_period(domain, SUPPORT);
     let mut shares = vec![1.0; points.len()];
     let outermost: Vec<(usize, Point)> =
         (0..points.len()).filter_map(|number| foot(domain, points[number]).map(|at| (number, at))).collect();
@@ -62,13 +63,6 @@ pub(super) fn shares(domain: &Domain, points: &[Point], fixed: &[Point], area: f
         shares[*number] += more / area;
     }
     shares
-}
-
-/// The point of the boundary next to a particle of the outermost layer.
-fn foot(domain: &Domain, point: Point) -> Option<Point> {
-    let depth = -domain.signed_distance(point);
-    let (outward, slope) = domain.outward(point).filter(|_| depth < CAPTURE)?;
-    Some([0, 1].map(|axis| point[axis] + depth / slope * outward[axis]))
 }
 
 /// `sum area W` at a point, with the kernel of the flow's colour field
