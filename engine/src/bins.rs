@@ -95,24 +95,51 @@ impl Bins {
     }
 
     /// Calls `visit` with ranges of [`Bins::members`] that together hold every point within `reach`
-    /// metres of (r, z), and some more.
+    /// metres of (r, z), and some more: what lies in a square of cells.
     #[inline]
     pub fn near(&self, r: f64, z: f64, reach: f64, mut visit: impl FnMut(Range<usize>)) {
-        let cell = |value: f64, least: f64, most: usize| {
-            (((value - least) * self.inverse_cell).max(0.0) as usize).min(most - 1)
-        };
-        let first_row = cell(r - reach, self.r_least, self.rows);
-        let last_row = cell(r + reach, self.r_least, self.rows);
-        let first = cell(z - reach, self.z_least, self.columns);
-        let last = cell(z + reach, self.z_least, self.columns);
-        for row in first_row..=last_row {
-            let base = row * self.columns;
-            let range = self.start[base + first] as usize..self.start[base + last + 1] as usize;
-            if !range.is_empty() {
-                visit(range);
-            }
+        let [row, column] = self.place(r, z);
+        let reach = reach * self.inverse_cell;
+        let (first, last) = (cell(column - reach, self.columns), cell(column + reach, self.columns));
+        for number in cell(row - reach, self.rows)..=cell(row + reach, self.rows) {
+            self.visit(number, first, last, &mut visit);
         }
     }
+
+    /// The same of a disc of cells: fewer points where `reach` is that of many cells.
+    #[inline]
+    pub fn within(&self, r: f64, z: f64, reach: f64, mut visit: impl FnMut(Range<usize>)) {
+        let [row, column] = self.place(r, z);
+        // A little wider than by the circle, for all of this is rounded.
+        let reach = reach * self.inverse_cell + 1e-6;
+        for number in cell(row - reach, self.rows)..=cell(row + reach, self.rows) {
+            let away = (number as f64 - row).max(row - (number + 1) as f64).max(0.0);
+            let half = (reach * reach - away * away).max(0.0).sqrt();
+            let (first, last) = (cell(column - half, self.columns), cell(column + half, self.columns));
+            self.visit(number, first, last, &mut visit);
+        }
+    }
+
+    /// A place in cells from the first one on.
+    #[inline]
+    fn place(&self, r: f64, z: f64) -> [f64; 2] {
+        [r - self.r_least, z - self.z_least].map(|length| length * self.inverse_cell)
+    }
+
+    #[inline]
+    fn visit(&self, row: usize, first: usize, last: usize, visit: &mut impl FnMut(Range<usize>)) {
+        let base = row * self.columns;
+        let range = self.start[base + first] as usize..self.start[base + last + 1] as usize;
+        if !range.is_empty() {
+            visit(range);
+        }
+    }
+}
+
+/// The cell at a place, of so many.
+#[inline]
+fn cell(place: f64, count: usize) -> usize {
+    (place.max(0.0) as usize).min(count - 1)
 }
 
 #[cfg(test)]
@@ -126,17 +153,23 @@ mod tests {
         let (r, z): (Vec<f64>, Vec<f64>) = points.iter().copied().unzip();
         let mut bins = Bins::default();
         bins.build(&r, &z, 0.3);
+        let mut visited = [0; 2];
         for &(pr, pz) in &points {
-            let mut found = Vec::new();
-            bins.near(pr, pz, 0.7, |range| found.extend_from_slice(&bins.members()[range]));
-            let mut unique = found.clone();
-            unique.sort_unstable();
-            unique.dedup();
-            assert_eq!(unique.len(), found.len());
-            for (k, &(qr, qz)) in points.iter().enumerate() {
-                let near = (qr - pr).hypot(qz - pz) <= 0.7;
-                assert!(!near || unique.binary_search(&(k as u32)).is_ok());
+            let mut found = [Vec::new(), Vec::new()];
+            bins.near(pr, pz, 0.7, |range| found[0].extend_from_slice(&bins.members()[range]));
+            bins.within(pr, pz, 0.7, |range| found[1].extend_from_slice(&bins.members()[range]));
+            (0..2).for_each(|way| visited[way] += found[way].len());
+            for found in found {
+                let mut unique = found.clone();
+                unique.sort_unstable();
+                unique.dedup();
+                assert_eq!(unique.len(), found.len());
+                for (k, &(qr, qz)) in points.iter().enumerate() {
+                    let near = (qr - pr).hypot(qz - pz) <= 0.7;
+                    assert!(!near || unique.binary_search(&(k as u32)).is_ok());
+                }
             }
         }
+        assert!(visited[1] < visited[0]);
     }
 }

@@ -80,9 +80,19 @@ pub trait ChunkStage: Send + Sync {
         false
     }
 
-    /// Whether it writes rows.
+    /// Whether it writes rows. Then it must end its group: rows can be read only when all are written.
     fn packs_rows(&self) -> bool {
         false
+    }
+
+    /// Whether what follows needs what it does when it finishes.
+    fn ends_group(&self) -> bool {
+        self.packs_rows()
+    }
+
+    /// Bytes that the stage keeps for itself, where it keeps something of every particle.
+    fn bytes(&self) -> usize {
+        0
     }
 
     /// What one run evaluates and moves, where the stage is a pair pass; must cost nothing to tell.
@@ -227,9 +237,10 @@ impl Group {
         self.stages.iter().map(|stage| stage.as_ref())
     }
 
-    /// Bytes that it holds for Transient fields.
+    /// Bytes that it holds for Transient fields, and those of its stages.
     pub(crate) fn bytes(&self) -> usize {
-        self.scratch.len() * self.room() * size_of::<f64>()
+        let own: usize = self.stages().map(|stage| stage.bytes()).sum();
+        own + self.scratch.len() * self.room() * size_of::<f64>()
     }
 
     fn room(&self) -> usize {

@@ -143,6 +143,13 @@ impl Lanes {
         Lanes(self.0.exp())
     }
 
+    /// Sine and cosine.
+    #[inline(always)]
+    pub fn sin_cos(self) -> (Self, Self) {
+        let (sine, cosine) = self.0.sin_cos();
+        (Lanes(sine), Lanes(cosine))
+    }
+
     /// Writes as many values as `values` takes, eight at most.
     #[inline(always)]
     pub fn store(self, values: &mut [f64]) {

@@ -36,6 +36,9 @@ pub struct NeighbourList {
     pub scratch: [Vec<f64>; 3],
     /// Whether the list holds for the particles where they lie now, if somebody has looked.
     pub still_holds: Option<bool>,
+    /// As long as this is above zero the list holds in any case: how far, m, a particle may still move or its reach
+    /// grow, by what moved farthest in each step so far. Where nobody knows it is zero.
+    pub margin: f64,
     builds: u64,
 }
 
@@ -135,6 +138,11 @@ impl NeighbourList {
         self.entries.resize(total as usize, [0; WIDTH]);
         fill_blocks(&search, &self.block_start, 0, len, &mut self.entries);
         self.builds += 1;
+    }
+
+    /// Notes that no particle has moved farther, or its reach grown more, than by so many metres.
+    pub fn note_motion(&mut self, most: f64) {
+        self.margin -= most;
     }
 
     /// Number of particles in the list.

@@ -142,14 +142,13 @@ enum Work {
 }
 
 impl Work {
-    /// Stages that work on chunks and follow each other make one group; one that writes rows ends it, for they can be
-    /// read only when all are written.
+    /// Stages that work on chunks and follow each other make one group.
     fn of(stages: Vec<AnyStage>, wiring: &Wiring) -> Vec<Work> {
         let mut works = Vec::new();
         let mut group: Vec<Box<dyn ChunkStage>> = Vec::new();
         for stage in stages {
             let ends = match &stage {
-                AnyStage::Chunks(stage) => stage.packs_rows(),
+                AnyStage::Chunks(stage) => stage.ends_group(),
                 AnyStage::Whole(_) => true,
             };
             let whole = match stage {

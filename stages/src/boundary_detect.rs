@@ -5,7 +5,7 @@ use crate::equation_of_state::Packing;
 use crate::fields;
 use crate::moment::Moment;
 use crate::sort_bin::WIDEST_SKIN;
-use crate::surface::{BOUNDARY, INSIDE, NEAR_BOUNDARY};
+use crate::surface::{BOUNDARY, INSIDE, NEAR_BOUNDARY, length};
 use crate::surface_interval::is_due;
 use meniscus_engine::lanes::{Lanes, WIDTH};
 use meniscus_engine::parallel;
@@ -101,7 +101,7 @@ impl BoundaryDetect {
         let offset = self.offset.map(|fields| fields.map(|field| world.store.read(field)));
         let is_shallow = |i: usize| {
             let Some([r, z]) = &offset else { return false };
-            let depth = r[i].hypot(z[i]);
+            let depth = length([r[i], z[i]]);
             depth > 0.0 && depth < SHALLOW * size[i].min(self.packing.largest_size)
         };
         self.doubtful.clear();
@@ -134,7 +134,7 @@ impl BoundaryDetect {
         });
         let is_deep = |(i, colour): &&(u32, Colour)| {
             let reach = FAR * size[*i as usize].min(largest);
-            let steepness = colour.gradient[0].hypot(colour.gradient[1]);
+            let steepness = length(colour.gradient);
             colour.value > guard.highest || colour.value - 0.5 > reach * steepness
         };
         let deep = known.iter().filter(is_deep);

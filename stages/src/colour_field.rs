@@ -100,7 +100,7 @@ impl ColourField {
         let inverse = 1.0 / support;
         let (lr, lz, linverse) = (Lanes::splat(r), Lanes::splat(z), Lanes::splat(inverse));
         let mut sums = [Lanes::ZERO; 6];
-        self.bins.near(r, z, support + self.slack, |range| {
+        self.bins.within(r, z, support + self.slack, |range| {
             for start in range.clone().step_by(WIDTH) {
                 let left = range.end - start;
                 let area = Lanes::load(&self.area[start..]);

@@ -1,5 +1,6 @@
 //! The contour of the surface as a polygon of feet, and what surface forces lack of the tension's pull on it.
 
+use crate::surface::length;
 use meniscus_engine::bins::Bins;
 use meniscus_engine::domain::{Domain, Image};
 use meniscus_engine::lanes::{Lanes, WIDTH};
@@ -273,7 +274,7 @@ impl Contour {
             sums[1] += kernel.value.mul_add(lanes(8), -(slope * lanes(10)));
         });
         let [r, z] = sums.map(|lanes| lanes.sum());
-        let (length, most) = (r.hypot(z), LARGEST * self.around[k].pressure);
+        let (length, most) = (length([r, z]), LARGEST * self.around[k].pressure);
         if length > most { [r, z].map(|lack| lack * most / length) } else { [r, z] }
     }
 }

@@ -4,7 +4,7 @@ use crate::colour_field::ColourField;
 use crate::drops::particles_of_drops;
 use crate::equation_of_state::Packing;
 use crate::fields;
-use crate::surface::{BOUNDARY, NEAR_BOUNDARY};
+use crate::surface::{BOUNDARY, for_surface};
 use crate::surface_interval::{COMPUTED, HOLDS_UNTIL, holds, is_due};
 use crate::surface_neighbours::SurfaceNeighbours;
 use crate::surface_search::{Found, SHARPEST, Start, find};
@@ -25,6 +25,8 @@ pub struct ColourCurvature {
     pub density: f64,
     /// Sound speed at rest in m/s.
     pub sound_speed: f64,
+    /// The scene's capillary time in s.
+    pub capillary_time: f64,
     /// Support radius of the colour field in particle sizes. Between 10 and 12 the frequency of a drop
     /// changes by .02 %; a wider one keeps a drop at rest more quietly, a narrower one resolves necks.
     pub support: f64,
@@ -110,11 +112,12 @@ impl CurvatureColour {
         let [r, z] = self.position.map(|field| world.store.read(field));
         let (size, surface) = (world.store.read(self.size), world.store.read(self.surface));
         let surface = &surface[..];
-        let with = |flag: u32| (0..r.len() as u32).filter(move |&i| surface[i as usize] == flag);
         self.boundary.clear();
-        self.boundary.extend(with(BOUNDARY));
         self.near_boundary.clear();
-        self.near_boundary.extend(with(NEAR_BOUNDARY));
+        for_surface(surface, |i| match surface[i] {
+            BOUNDARY => self.boundary.push(i as u32),
+            _ => self.near_boundary.push(i as u32),
+        });
         let [offset_r, offset_z] = self.offset.map(|field| world.store.write(field));
         let (offset_r, offset_z) = (&offset_r[..], &offset_z[..]);
         self.found.clear();
@@ -198,14 +201,15 @@ impl CurvatureColour {
 
     /// Notes when the curvature was computed and until when it holds.
     fn set_marks(&self, world: &mut World) {
-        let ColourCurvature { surface_tension, density, sound_speed, .. } = self.settings;
+        let ColourCurvature { surface_tension, density, sound_speed, capillary_time, .. } = self.settings;
         let smallest = {
             let size = world.store.read(self.size);
             let with_surface =
                 self.boundary.iter().zip(&self.found).filter(|(_, found)| found.curvature != 0.0);
             with_surface.map(|(&i, _)| size[i as usize]).fold(self.packing.largest_size, f64::min)
         };
-        let until = world.clock.time + holds(surface_tension, density * sound_speed, smallest);
+        let holds = holds(surface_tension, density * sound_speed, smallest, capillary_time);
+        let until = world.clock.time + holds;
         world.clock.set_mark(COMPUTED);
         world.clock.restore_mark(HOLDS_UNTIL, until);
     }

@@ -3,7 +3,7 @@
 use crate::curvature_colour::capillary_bound;
 use crate::equation_of_state::Packing;
 use crate::fields;
-use crate::surface::for_surface;
+use crate::surface::{for_surface, length};
 use crate::surface_layer::SurfaceLayer;
 use meniscus_engine::bins::Bins;
 use meniscus_engine::domain::Image;
@@ -153,7 +153,7 @@ impl CurvatureNormals {
             }
         });
         let sum = sum.map(|lanes| lanes.sum());
-        let length = sum[0].hypot(sum[1]);
+        let length = length(sum);
         if length > 0.0 { [sum[0] / length, sum[1] / length] } else { sum }
     }
 

@@ -152,8 +152,8 @@ impl<E: EquationOfState> State<E> {
         State { when: When::Ahead, ..self }
     }
 
-    /// Size, pressure and sound speed of the particles of a chunk, and their rows.
-    fn evaluate<R: FirstPart>(&self, chunk: &Chunk) {
+    /// Size, pressure and sound speed of the particles of a chunk, and their rows; by how much, m, any size has grown.
+    fn evaluate<R: FirstPart>(&self, chunk: &Chunk) -> f64 {
         let [r, z] = self.position.map(|field| chunk.read(field));
         let [u, w] = self.velocity.map(|field| chunk.read(field));
         let (density, mass) = (chunk.read(self.density), chunk.read(self.mass));
@@ -162,6 +162,8 @@ impl<E: EquationOfState> State<E> {
         let (mut sizes, mut pressures) = (chunk.write(self.size), chunk.write(self.pressure));
         let mut sound_speeds = chunk.write(self.sound_speed);
         let mut rows = chunk.rows();
+        let mut growth = Lanes::ZERO;
+        let largest = Lanes::splat(self.packing.largest_size);
         for (k, rows) in R::of(&mut rows).chunks_mut(WIDTH).enumerate() {
             let range = k * WIDTH..k * WIDTH + rows.len();
             let of = |column: &[f64], fill| Lanes::load_or(&column[range.clone()], fill).to_array();
@@ -174,7 +176,10 @@ impl<E: EquationOfState> State<E> {
             };
             let radius = Lanes::load(&r) + Lanes::splat(self.packing.domain.origin);
             let around = Lanes::splat(2.0 * PI) * radius * Lanes::load(&density);
-            let size = (Lanes::load(&mass) / around).sqrt().to_array();
+            let size = (Lanes::load(&mass) / around).sqrt();
+            let before = Lanes::load_or(&sizes[range.clone()], f64::MAX);
+            growth = growth.max(size.min(largest) - before.min(largest));
+            let size = size.to_array();
             let pressure: [f64; WIDTH] =
                 std::array::from_fn(|i| self.equation.pressure(density[i], internal(i)) - reference[i]);
             let sound_speed: [f64; WIDTH] =
@@ -194,6 +199,7 @@ impl<E: EquationOfState> State<E> {
             };
             R::pack(&flow, rows, self.unit);
         }
+        growth.to_array().into_iter().fold(0.0, f64::max)
     }
 
     /// The second rows of a chunk, or the second part of its rows of single precision.
@@ -314,21 +320,31 @@ impl<E: EquationOfState> ChunkStage for State<E> {
         Ok(())
     }
 
+    /// By how much any size has grown since the step before, m.
     fn chunk(&self, _: &Around, chunk: &Chunk) -> Partial {
-        match self.precision {
+        let growth = match self.precision {
             Precision::Double => {
-                self.evaluate::<Row>(chunk);
+                let growth = self.evaluate::<Row>(chunk);
                 self.evaluate_second::<HalfRow>(chunk);
+                growth
             }
             Precision::Mixed => {
-                self.evaluate::<SingleRow>(chunk);
+                let growth = self.evaluate::<SingleRow>(chunk);
                 self.evaluate_second::<SingleRow>(chunk);
+                growth
             }
-        }
-        [0.0; 2]
+        };
+        [growth, 0.0]
     }
 
-    fn finish(&mut self, world: &mut World, _: Partial) -> Result<(), Fault> {
+    fn combine(&self, left: Partial, right: Partial) -> Partial {
+        [left[0].max(right[0]), 0.0]
+    }
+
+    fn finish(&mut self, world: &mut World, [growth, _]: Partial) -> Result<(), Fault> {
+        if self.when == When::Ahead {
+            world.neighbours.note_motion(2.0 * self.packing.theta * growth);
+        }
         self.mirror(world);
         world.rows.are_current = true;
         world.store.forget_changes();

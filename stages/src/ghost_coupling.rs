@@ -1,11 +1,9 @@
 //! Ghost coupling: every surface particle meets one ghost that holds the Laplace pressure.
 
 use crate::fields;
-use crate::surface::for_surface;
+use crate::surface::{for_surface, length};
 use crate::surface_interval::COMPUTED;
-use meniscus_engine::field::clear;
-use meniscus_engine::parallel;
-use meniscus_engine::pipeline::{Fault, Stage, World};
+use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
 use meniscus_engine::store::{Add, Read, Write};
 use meniscus_engine::wiring::Wiring;
 
@@ -68,52 +66,41 @@ impl GhostCoupling {
     }
 }
 
-impl Stage for GhostCoupling {
+impl ChunkStage for GhostCoupling {
     fn name(&self) -> &'static str {
         "ghost-coupling"
     }
 
-    fn run(&mut self, world: &mut World) -> Result<(), Fault> {
-        let store = &world.store;
-        let surface = store.read(self.surface);
-        let [weight_r, weight_z] = self.weight.map(|field| store.read(field));
-        let (pressure, reference) = (store.read(self.pressure), store.read(self.reference_pressure));
-        let (density, sound_speed) = (store.read(self.density), store.read(self.sound_speed));
-        let tension = self.tension.as_ref().map(|t| (store.read(t.pressure), store.read(t.rate)));
-        let tension = tension.as_ref().map(|(pressure, rate)| (&pressure[..], &rate[..]));
+    fn chunk(&self, around: &Around, chunk: &Chunk) -> Partial {
+        let [weight_r, weight_z] = self.weight.map(|field| chunk.read(field));
+        let (pressure, reference) = (chunk.read(self.pressure), chunk.read(self.reference_pressure));
+        let (density, sound_speed) = (chunk.read(self.density), chunk.read(self.sound_speed));
+        let tension = self.tension.as_ref().map(|t| (chunk.read(t.pressure), chunk.read(t.rate)));
         // Between two computations of the curvature its pressure is carried on at the last rate:
         // a lag would feed the oscillation (method.md, section 10).
-        let elapsed = world.clock.time - world.clock.mark(COMPUTED);
-        let mut strain_rate = store.write(self.strain_rate);
-        let [mut force_r, mut force_z] = self.force.map(|field| store.write(field));
+        let elapsed = around.clock.time - around.clock.mark(COMPUTED);
+        let mut strain_rate = chunk.write(self.strain_rate);
+        let [mut force_r, mut force_z] = self.force.map(|field| chunk.write(field));
+        let velocity = self.work.as_ref().map(|work| work.velocity.map(|field| chunk.read(field)));
+        let mut power = self.work.as_ref().map(|work| chunk.write(work.power));
 
-        let velocity = self.work.as_ref().map(|work| work.velocity.map(|field| store.read(field)));
-        let velocity = velocity.as_ref().map(|[u, w]| (&u[..], &w[..]));
-        let mut power = self.work.as_ref().map(|work| store.write(work.power));
-
-        let columns = (&mut strain_rate[..], &mut force_r[..], &mut force_z[..], power.as_deref_mut());
-        parallel::for_chunks(surface.len(), columns, |start, (strain_rate, force_r, force_z, mut power)| {
-            clear(force_r);
-            clear(force_z);
-            for_surface(&surface[start..start + strain_rate.len()], |k| {
-                let i = start + k;
-                let laplace = tension.map_or(0.0, |(pressure, rate)| pressure[i] + elapsed * rate[i]);
-                let ghost_pressure = self.external_pressure + laplace - reference[i];
-                let impedance = density[i] * sound_speed[i];
-                let ghost_impedance = IMPEDANCE_RATIO * impedance;
-                let both = impedance + ghost_impedance;
-                let star = (ghost_pressure * impedance + pressure[i] * ghost_impedance) / both;
-                let rise = (pressure[i] - ghost_pressure) / both;
-                let length = (weight_r[i] * weight_r[i] + weight_z[i] * weight_z[i]).sqrt();
-                strain_rate[k] += 2.0 * rise * length;
-                if let (Some(power), Some((u, w))) = (&mut power, velocity) {
-                    // U* |bw| = U_a . bw + rise |bw|.
-                    power[k] -= 2.0 * star * (u[i] * weight_r[i] + w[i] * weight_z[i] + rise * length);
-                }
-                force_r[k] = -2.0 * star * weight_r[i];
-                force_z[k] = -2.0 * star * weight_z[i];
-            });
+        for_surface(&chunk.read(self.surface), |i| {
+            let laplace = tension.as_ref().map_or(0.0, |(pressure, rate)| pressure[i] + elapsed * rate[i]);
+            let ghost_pressure = self.external_pressure + laplace - reference[i];
+            let impedance = density[i] * sound_speed[i];
+            let ghost_impedance = IMPEDANCE_RATIO * impedance;
+            let both = impedance + ghost_impedance;
+            let star = (ghost_pressure * impedance + pressure[i] * ghost_impedance) / both;
+            let rise = (pressure[i] - ghost_pressure) / both;
+            let length = length([weight_r[i], weight_z[i]]);
+            strain_rate[i] += 2.0 * rise * length;
+            if let (Some(power), Some([u, w])) = (&mut power, &velocity) {
+                // U* |bw| = U_a . bw + rise |bw|.
+                power[i] -= 2.0 * star * (u[i] * weight_r[i] + w[i] * weight_z[i] + rise * length);
+            }
+            force_r[i] = -2.0 * star * weight_r[i];
+            force_z[i] = -2.0 * star * weight_z[i];
         });
-        Ok(())
+        [0.0; 2]
     }
 }

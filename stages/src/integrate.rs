@@ -7,6 +7,7 @@ use meniscus_engine::lanes::{Lanes, WIDTH};
 use meniscus_engine::pipeline::{Fault, World};
 use meniscus_engine::store::{Read, Update};
 use meniscus_engine::wiring::Wiring;
+use std::f64::consts::SQRT_2;
 
 /// Distance from the axis, in particle sizes, at which a ring has closed. Nothing that flows comes so near;
 /// spray without neighbours does, and its hoop strain would end the run.
@@ -71,8 +72,9 @@ impl Integrate {
         }
     }
 
-    /// Moves the particles of a chunk; the first one that went bad, if any.
-    fn advance(&self, chunk: &Chunk) -> Option<usize> {
+    /// Moves the particles of a chunk; the first one that went bad, if any, and no less than how far (m) any of them
+    /// moved.
+    fn advance(&self, chunk: &Chunk) -> (Option<usize>, f64) {
         let [force_r, force_z] = self.force.map(|field| chunk.read(field));
         let [dissipation_r, dissipation_z] = self.dissipation.map(|field| chunk.read(field));
         let (strain_rate, size) = (chunk.read(self.strain_rate), chunk.read(self.size));
@@ -83,7 +85,7 @@ impl Integrate {
 
         let origin = self.origin;
         let step = &self.step;
-        let mut bad = None;
+        let (mut bad, mut farthest) = (None, Lanes::ZERO);
         for first in (0..chunk.len()).step_by(WIDTH) {
             let eight = first..chunk.len().min(first + WIDTH);
             let inverse = Lanes::ONE / Lanes::load_or(&density[eight.clone()], 1.0);
@@ -98,12 +100,13 @@ impl Integrate {
             };
             let du = component(&force_r, &dissipation_r, previous_r);
             let dw = component(&force_z, &dissipation_z, previous_z);
-            let new_u = step.advance(&mut r[eight.clone()], &mut u[eight.clone()], du);
+            let (new_u, moved_r) = step.advance(&mut r[eight.clone()], &mut u[eight.clone()], du);
             let radius = Lanes::load_or(&r[eight.clone()], 1.0) + Lanes::splat(origin);
             let closed = Lanes::splat(CLOSED) * Lanes::load_or(&size[eight.clone()], 0.0);
             let new_u = closed.select_greater(radius, new_u.max(Lanes::ZERO), new_u);
             new_u.store(&mut u[eight.clone()]);
-            let new_w = step.advance(&mut z[eight.clone()], &mut w[eight.clone()], dw);
+            let (new_w, moved_z) = step.advance(&mut z[eight.clone()], &mut w[eight.clone()], dw);
+            farthest = farthest.max(length_at_most(moved_r, moved_z));
             let strain = step.dt * Lanes::load_or(&strain_rate[eight.clone()], 0.0);
             let new_density = Lanes::load_or(&density[eight.clone()], 1.0) * (-strain).exp();
             new_density.store(&mut density[eight.clone()]);
@@ -114,8 +117,15 @@ impl Integrate {
                 bad = eight.into_iter().find(|&k| !is_sound([density[k], u[k], w[k], z[k], r[k]], origin));
             }
         }
-        bad
+        (bad, farthest.to_array().into_iter().fold(0.0, f64::max))
     }
+}
+
+/// The length of a vector, or up to 8 % more.
+#[inline(always)]
+fn length_at_most(r: Lanes, z: Lanes) -> Lanes {
+    let (r, z) = (r.abs(), z.abs());
+    r.min(z).mul_add(Lanes::splat(SQRT_2 - 1.0), r.max(z))
 }
 
 /// One step's factors.
@@ -144,14 +154,14 @@ impl Step {
         self.dt * (acceleration + dissipation)
     }
 
-    /// x += dt (U^n + U^{n+1})/2 and U += change; the new velocity.
+    /// x += dt (U^n + U^{n+1})/2 and U += change; the new velocity, and how far that is.
     #[inline(always)]
-    fn advance(&self, position: &mut [f64], velocity: &mut [f64], change: Lanes) -> Lanes {
+    fn advance(&self, position: &mut [f64], velocity: &mut [f64], change: Lanes) -> (Lanes, Lanes) {
         let before = Lanes::load_or(velocity, 0.0);
         let moved = self.dt * (before + Lanes::HALF * change);
         (Lanes::load_or(position, 0.0) + moved).store(position);
         (before + change).store(velocity);
-        before + change
+        (before + change, moved)
     }
 }
 
@@ -170,18 +180,19 @@ impl ChunkStage for Integrate {
         Ok(())
     }
 
-    /// Number of the first particle that went bad, or infinity.
+    /// Number of the first particle that went bad, or infinity; how far any particle moved, m.
     fn chunk(&self, _: &Around, chunk: &Chunk) -> Partial {
         self.advance_energy(chunk);
-        let bad = self.advance(chunk).map(|k| (chunk.start + k) as f64);
-        [bad.unwrap_or(f64::INFINITY), 0.0]
+        let (bad, farthest) = self.advance(chunk);
+        [bad.map_or(f64::INFINITY, |k| (chunk.start + k) as f64), farthest]
     }
 
     fn combine(&self, left: Partial, right: Partial) -> Partial {
-        [left[0].min(right[0]), 0.0]
+        [left[0].min(right[0]), left[1].max(right[1])]
     }
 
-    fn finish(&mut self, world: &mut World, [bad, _]: Partial) -> Result<(), Fault> {
+    fn finish(&mut self, world: &mut World, [bad, farthest]: Partial) -> Result<(), Fault> {
+        world.neighbours.note_motion(farthest);
         if bad == f64::INFINITY { Ok(()) } else { Err(self.bad_state.of(world, bad as usize)) }
     }
 }

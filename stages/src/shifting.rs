@@ -247,6 +247,7 @@ impl ChunkStage for Shifting {
         "shifting"
     }
 
+    /// What shifts bring of momentum where all shift, else how far, m, any particle was shifted.
     fn chunk(&self, around: &Around, chunk: &Chunk) -> Partial {
         // As far as particles shift in a step, one is as long as the one before.
         let step_size = around.clock.previous_step_size;
@@ -278,7 +279,7 @@ impl ChunkStage for Shifting {
             });
             return Partial::default();
         }
-        let mut quiet = false;
+        let (mut quiet, mut farthest_square) = (false, 0.0_f64);
         for k in 0..chunk.len() {
             // Most particles need no shift: eight of them are tested at once for it.
             if k % WIDTH == 0 {
@@ -291,12 +292,22 @@ impl ChunkStage for Shifting {
                 let shift = self.shift(&columns, &neighbourhoods, k, (radius, needed));
                 r[k] += shift[0];
                 z[k] += shift[1];
+                farthest_square = farthest_square.max(shift[0] * shift[0] + shift[1] * shift[1]);
             }
         }
-        [0.0; 2]
+        [farthest_square.sqrt(), 0.0]
+    }
+
+    fn combine(&self, left: Partial, right: Partial) -> Partial {
+        match self.strength.everywhere {
+            true => [left[0] + right[0], left[1] + right[1]],
+            false => [left[0].max(right[0]), 0.0],
+        }
     }
 
     fn finish(&mut self, world: &mut World, found: Partial) -> Result<(), Fault> {
+        // Where all shift nobody knows how far.
+        world.neighbours.note_motion(if self.strength.everywhere { f64::INFINITY } else { found[0] });
         if let Some(carrying) = &self.carrying {
             carrying.balance(world, found);
         }

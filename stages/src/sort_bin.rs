@@ -134,6 +134,7 @@ impl SortBin {
         }
         world.clock.set_mark("list");
         self.build_even(world);
+        world.neighbours.margin = 0.5 * skin;
     }
 }
 
@@ -147,9 +148,12 @@ impl Stage for SortBin {
         let listed = world.store.write(self.listed[2]).first().is_some_and(|reach| *reach > 0.0);
         if listed && world.neighbours.is_empty() {
             self.with_list(world, |list, points| list.build(points, &self.packing.domain));
+            world.neighbours.margin = 0.0;
         }
         // A NaN builds the list, too, and goes on to the stage that names it.
-        let checked = world.neighbours.still_holds.take().filter(|_| !world.store.is_changed());
+        let checked = world.neighbours.still_holds.take();
+        let checked = checked.or((world.neighbours.margin > 0.0).then_some(true));
+        let checked = checked.filter(|_| !world.store.is_changed());
         let holds = !world.neighbours.is_empty() && checked.unwrap_or_else(|| self.is_valid(world));
         if !holds {
             self.renew(world);
@@ -181,9 +185,13 @@ impl Packing {
     }
 }
 
-/// Looks at the end of a step whether the list still holds for the next one, while the particles lie in the cache.
+/// Looks at the end of a step whether the list still holds for the next one, while the particles lie in the cache;
+/// only where what moved farthest in each step could have used up the skin.
 pub struct ListCheck {
     packing: Packing,
+    is_needed: bool,
+    /// The list's margin before the step, m.
+    margin: f64,
     particles: [Read<f64>; 4],
     listed: [Read<f64>; 3],
 }
@@ -196,6 +204,8 @@ impl ListCheck {
         let listed = [&fields::LIST_RADIUS, &fields::LIST_AXIAL, &fields::LIST_REACH];
         ListCheck {
             packing,
+            is_needed: true,
+            margin: 0.0,
             particles: particles.map(|field| wiring.read(field)),
             listed: listed.map(|field| wiring.read(field)),
         }
@@ -207,8 +217,19 @@ impl ChunkStage for ListCheck {
         "list-check"
     }
 
+    fn prepare(&mut self, world: &mut World) -> Result<(), Fault> {
+        // This step's motion is not known yet: it may be twice the one before.
+        let margin = world.neighbours.margin;
+        let before = std::mem::replace(&mut self.margin, margin);
+        self.is_needed = !(margin > 2.0 * (before - margin).max(0.0));
+        Ok(())
+    }
+
     /// Above zero where it doesn't hold.
     fn chunk(&self, _: &Around, chunk: &Chunk) -> Partial {
+        if !self.is_needed {
+            return [0.0; 2];
+        }
         let particles = self.particles.map(|field| chunk.read(field));
         let listed = self.listed.map(|field| chunk.read(field));
         let particles = particles.each_ref().map(|column| &column[..]);
@@ -217,7 +238,7 @@ impl ChunkStage for ListCheck {
     }
 
     fn finish(&mut self, world: &mut World, [fails, _]: Partial) -> Result<(), Fault> {
-        world.neighbours.still_holds = Some(fails == 0.0);
+        world.neighbours.still_holds = self.is_needed.then_some(fails == 0.0);
         Ok(())
     }
 }

@@ -4,8 +4,7 @@
 use crate::fields;
 use crate::moment::Moment;
 use crate::surface::for_surface;
-use meniscus_engine::parallel;
-use meniscus_engine::pipeline::{Fault, Stage, World};
+use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
 use meniscus_engine::store::{Add, Read};
 use meniscus_engine::wiring::Wiring;
 
@@ -40,28 +39,22 @@ fn support_lack(wiring: &mut Wiring) -> [Read<f64>; 3] {
         .map(|field| wiring.read(field))
 }
 
-impl Stage for TangentialPressure {
+impl ChunkStage for TangentialPressure {
     fn name(&self) -> &'static str {
         "tangential-pressure"
     }
 
-    fn run(&mut self, world: &mut World) -> Result<(), Fault> {
-        let store = &world.store;
-        let surface = store.read(self.surface);
-        let [rr, rz, zz] = self.lack.map(|field| store.read(field));
-        let [slope_r, slope_z] = self.slope.map(|field| store.read(field));
-        let [mut force_r, mut force_z] = self.force.map(|field| store.write(field));
-        let columns = (&mut force_r[..], &mut force_z[..]);
-        parallel::for_chunks(surface.len(), columns, |start, (force_r, force_z)| {
-            for_surface(&surface[start..start + force_r.len()], |k| {
-                let i = start + k;
-                let missing = Moment { rr: rr[i], rz: rz[i], zz: zz[i] };
-                let [r, z] = missing.apply([slope_r[i], slope_z[i]]);
-                force_r[k] -= r;
-                force_z[k] -= z;
-            });
+    fn chunk(&self, _: &Around, chunk: &Chunk) -> Partial {
+        let [rr, rz, zz] = self.lack.map(|field| chunk.read(field));
+        let [slope_r, slope_z] = self.slope.map(|field| chunk.read(field));
+        let [mut force_r, mut force_z] = self.force.map(|field| chunk.write(field));
+        for_surface(&chunk.read(self.surface), |i| {
+            let missing = Moment { rr: rr[i], rz: rz[i], zz: zz[i] };
+            let [r, z] = missing.apply([slope_r[i], slope_z[i]]);
+            force_r[i] -= r;
+            force_z[i] -= z;
         });
-        Ok(())
+        [0.0; 2]
     }
 }
 
@@ -88,23 +81,18 @@ impl StrainCorrection {
     }
 }
 
-impl Stage for StrainCorrection {
+impl ChunkStage for StrainCorrection {
     fn name(&self) -> &'static str {
         "strain-correction"
     }
 
-    fn run(&mut self, world: &mut World) -> Result<(), Fault> {
-        let store = &world.store;
-        let surface = store.read(self.surface);
-        let lack = self.lack.map(|field| store.read(field));
-        let deformation = self.deformation.map(|field| store.read(field));
-        let mut strain_rate = store.write(self.strain_rate);
-        parallel::for_chunks(surface.len(), &mut strain_rate[..], |start, strain_rate| {
-            for_surface(&surface[start..start + strain_rate.len()], |k| {
-                let i = start + k;
-                strain_rate[k] += (0..3).map(|c| deformation[c][i] * lack[c][i]).sum::<f64>();
-            });
+    fn chunk(&self, _: &Around, chunk: &Chunk) -> Partial {
+        let lack = self.lack.map(|field| chunk.read(field));
+        let deformation = self.deformation.map(|field| chunk.read(field));
+        let mut strain_rate = chunk.write(self.strain_rate);
+        for_surface(&chunk.read(self.surface), |i| {
+            strain_rate[i] += (0..3).map(|c| deformation[c][i] * lack[c][i]).sum::<f64>();
         });
-        Ok(())
+        [0.0; 2]
     }
 }

@@ -1,6 +1,7 @@
 //! The way from a particle to the surface, where the colour field is one half, and the curvature there.
 
 use crate::colour_field::{Colour, ColourField};
+use crate::surface::length;
 
 /// What a search finds.
 #[derive(Clone, Copy, Debug, Default)]
@@ -64,7 +65,7 @@ pub(crate) fn find(
     support: f64,
     origin: f64,
 ) -> Found {
-    let steepness = |colour: &Colour| colour.gradient[0].hypot(colour.gradient[1]);
+    let steepness = |colour: &Colour| length(colour.gradient);
     let newton = |colour: &Colour| ((0.5 - colour.value) / steepness(colour)).clamp(-size, size);
     let (mut foot, mut colour, mut inward) = match start {
         Start::Particle(here) => (at, here, -support * depth((here.value - 0.5).clamp(-0.5, 0.5))),
@@ -84,12 +85,12 @@ pub(crate) fn find(
         inward = newton(&colour);
         evaluations += 1;
     }
-    let length = steepness(&colour);
+    let steepest = steepness(&colour);
     // Spray is too small for the colour to rise to one half anywhere: it has no surface to find.
-    if length.is_nan() || length <= 0.0 || inward.abs() >= size {
+    if steepest.is_nan() || steepest <= 0.0 || inward.abs() >= size {
         return Found::default();
     }
-    let [r, z] = colour.gradient.map(|component| component / length);
+    let [r, z] = colour.gradient.map(|component| component / steepest);
     let limit = |curvature: f64| match curvature.is_finite() {
         true => curvature.clamp(-SHARPEST / size, SHARPEST / size),
         false => 0.0,
@@ -109,7 +110,7 @@ pub(crate) fn find(
 fn curvatures(colour: &Colour, radius: f64, size: f64) -> [f64; 2] {
     let [r, z] = colour.gradient;
     let [rr, rz, zz] = colour.second;
-    let length = r.hypot(z);
+    let length = length([r, z]);
     let hoop = if radius.abs() > 1e-3 * size { r / radius } else { rr };
     [-(rr * z * z - 2.0 * r * z * rz + zz * r * r) / length.powi(3), -hoop / length]
 }

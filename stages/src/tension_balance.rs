@@ -19,17 +19,20 @@ use crate::contour::{Contour, SurfaceParticle};
 use crate::equation_of_state::Packing;
 use crate::fields;
 use crate::moment::Moment;
-use crate::surface::{BOUNDARY, for_surface};
+use crate::surface::{BOUNDARY, for_surface, length};
 use crate::surface_interval::COMPUTED;
 use meniscus_engine::field::clear;
+use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
 use meniscus_engine::parallel;
-use meniscus_engine::pipeline::{Fault, Stage, World};
+use meniscus_engine::pipeline::{Fault, World};
 use meniscus_engine::store::{Add, Read, Update, bytes_of};
 use meniscus_engine::wiring::Wiring;
 
+/// Steps between two times that f is found, more where the curvature is computed less often.
+const INTERVAL: u64 = 8;
 /// Part of the way to a newly found f that is gone each time: where the surface is rough f is noise, and
 /// taken at once it would drive the roughness on.
-const RELAXATION: f64 = 0.1;
+const RELAXATION: f64 = 0.2;
 
 /// The stage. It must follow the curvature, which finds feet and tangents, and whatever else adds to the surface
 /// force, which it completes.
@@ -63,7 +66,7 @@ struct Work {
 }
 
 impl TensionBalance {
-    /// Computes f whenever the curvature is computed, for a surface tension in N/m.
+    /// Finds f in steps in which the curvature is computed, for a surface tension in N/m.
     pub fn new(wiring: &mut Wiring, packing: Packing, tension: f64, with_energy: bool) -> Self {
         wiring.stage("tension-balance");
         let support_lack = [&fields::SUPPORT_LACK_RR, &fields::SUPPORT_LACK_RZ, &fields::SUPPORT_LACK_ZZ];
@@ -127,7 +130,7 @@ impl TensionBalance {
                 size: size[i].min(largest_size),
                 foot,
                 tangent,
-                area: area[0].hypot(area[1]),
+                area: length(area),
                 pressure: pressure[i],
                 reference: reference[i],
                 force: [acting * area[0] + volume * tangential_r, acting * area[1] + volume * tangential_z],
@@ -164,7 +167,7 @@ impl TensionBalance {
     }
 }
 
-impl Stage for TensionBalance {
+impl ChunkStage for TensionBalance {
     fn name(&self) -> &'static str {
         "tension-balance"
     }
@@ -174,33 +177,31 @@ impl Stage for TensionBalance {
         own + self.contour.bytes()
     }
 
-    fn run(&mut self, world: &mut World) -> Result<(), Fault> {
-        if world.clock.mark(COMPUTED) == world.clock.time {
+    fn prepare(&mut self, world: &mut World) -> Result<(), Fault> {
+        let clock = &world.clock;
+        if clock.mark(COMPUTED) == clock.time && clock.step.is_multiple_of(INTERVAL) {
             self.gather(world);
             self.measure();
             self.store_lack(world);
         }
-        let store = &world.store;
-        let surface = store.read(self.surface);
-        let [lack_r, lack_z] = self.lack.map(|field| store.write(field));
-        let [weight_r, weight_z] = self.weight.map(|field| store.read(field));
-        let [mut force_r, mut force_z] = self.force.map(|field| store.write(field));
-        let velocity = self.work.as_ref().map(|work| work.velocity.map(|field| store.read(field)));
-        let velocity = velocity.as_ref().map(|[u, w]| (&u[..], &w[..]));
-        let mut power = self.work.as_ref().map(|work| store.write(work.power));
-        let columns = (&mut force_r[..], &mut force_z[..], power.as_deref_mut());
-        parallel::for_chunks(surface.len(), columns, |start, (force_r, force_z, mut power)| {
-            for_surface(&surface[start..start + force_r.len()], |k| {
-                let i = start + k;
-                let length = 2.0 * (weight_r[i] * weight_r[i] + weight_z[i] * weight_z[i]).sqrt();
-                let [r, z] = [length * lack_r[i], length * lack_z[i]];
-                force_r[k] -= r;
-                force_z[k] -= z;
-                if let (Some(power), Some((u, w))) = (&mut power, velocity) {
-                    power[k] -= r * u[i] + z * w[i];
-                }
-            });
-        });
         Ok(())
+    }
+
+    fn chunk(&self, _: &Around, chunk: &Chunk) -> Partial {
+        let [lack_r, lack_z] = self.lack.map(|field| chunk.write(field));
+        let [weight_r, weight_z] = self.weight.map(|field| chunk.read(field));
+        let [mut force_r, mut force_z] = self.force.map(|field| chunk.write(field));
+        let velocity = self.work.as_ref().map(|work| work.velocity.map(|field| chunk.read(field)));
+        let mut power = self.work.as_ref().map(|work| chunk.write(work.power));
+        for_surface(&chunk.read(self.surface), |i| {
+            let area = 2.0 * length([weight_r[i], weight_z[i]]);
+            let [r, z] = [area * lack_r[i], area * lack_z[i]];
+            force_r[i] -= r;
+            force_z[i] -= z;
+            if let (Some(power), Some([u, w])) = (&mut power, &velocity) {
+                power[i] -= r * u[i] + z * w[i];
+            }
+        });
+        [0.0; 2]
     }
 }

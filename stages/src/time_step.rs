@@ -2,9 +2,9 @@
 
 use crate::bad_state::BadState;
 use crate::fields;
+use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
 use meniscus_engine::lanes::{Lanes, WIDTH};
-use meniscus_engine::parallel;
-use meniscus_engine::pipeline::{Fault, Stage, World};
+use meniscus_engine::pipeline::{Fault, World};
 use meniscus_engine::store::Read;
 use meniscus_engine::wiring::Wiring;
 
@@ -50,53 +50,50 @@ impl TimeStep {
             sound_speed: wiring.read(&fields::SOUND_SPEED),
         }
     }
-
-    /// dt = CFL min D/sqrt(C^2 + (4 D d eps/dt)^2) (method.md, section 6), for a ring nearer to the axis than
-    /// .43 D times (R/(.43 D))^2: its own hoop terms, P/(rho R) and U_r/R, swing with C/R and grow by
-    /// (C dt/R)^2/4 a step, which the pressure diffusion of the contacts must outweigh. (The innermost rings of
-    /// a regular packing lie at .43 D.)
-    fn acoustic_bound(&self, world: &World) -> f64 {
-        let (size, sound_speed) = (world.store.read(self.size), world.store.read(self.sound_speed));
-        let (strain_rate, r) = (world.store.read(self.strain_rate), world.store.read(self.radius));
-        let columns = ((&size[..], &sound_speed[..]), (&strain_rate[..], &r[..]));
-        let origin = Lanes::splat(self.courant.origin);
-        type Columns<'a> = ((&'a [f64], &'a [f64]), (&'a [f64], &'a [f64]));
-        let body = |_: usize, ((size, sound_speed), (strain_rate, r)): Columns, len: usize| {
-            let (mut largest, mut all) = (Lanes::ZERO, Lanes::ZERO);
-            for first in (0..len).step_by(WIDTH) {
-                let load =
-                    |column: &[f64], fill| Lanes::load_or(&column[first..len.min(first + WIDTH)], fill);
-                let size = load(size, f64::MAX.sqrt());
-                let (radius, innermost) = (load(r, f64::MAX) + origin, Lanes::splat(INNERMOST) * size);
-                let length = if (radius - innermost).all_positive() {
-                    size
-                } else {
-                    let near = (radius / innermost).abs().min(Lanes::ONE);
-                    size * near * near
-                };
-                let strain = Lanes::splat(4.0) * length * load(strain_rate, 0.0);
-                let sound_speed = load(sound_speed, 0.0);
-                let rate = sound_speed.mul_add(sound_speed, strain * strain) / (length * length);
-                largest = largest.max(rate);
-                all += rate;
-            }
-            // No maximum hides a NaN: the sum has it as well.
-            let largest = largest.to_array().into_iter().fold(0.0, f64::max);
-            if all.sum().is_nan() { f64::NAN } else { largest }
-        };
-        let larger = |a: f64, b: f64| if a > b || a.is_nan() { a } else { b };
-        let slowest = parallel::fold_chunks(size.len(), columns, &body, &larger);
-        self.courant.number / slowest.sqrt()
-    }
 }
 
-impl Stage for TimeStep {
+impl ChunkStage for TimeStep {
     fn name(&self) -> &'static str {
         "time-step"
     }
 
-    fn run(&mut self, world: &mut World) -> Result<(), Fault> {
-        let acoustic = self.acoustic_bound(world);
+    /// dt = CFL min D/sqrt(C^2 + (4 D d eps/dt)^2) (method.md, section 6), for a ring nearer to the axis than
+    /// .43 D times (R/(.43 D))^2: its own hoop terms, P/(rho R) and U_r/R, swing with C/R and grow by
+    /// (C dt/R)^2/4 a step, which the pressure diffusion of the contacts must outweigh. (The innermost rings of
+    /// a regular packing lie at .43 D.) Here the largest (CFL/dt)^2.
+    fn chunk(&self, _: &Around, chunk: &Chunk) -> Partial {
+        let (size, sound_speed) = (chunk.read(self.size), chunk.read(self.sound_speed));
+        let (strain_rate, r) = (chunk.read(self.strain_rate), chunk.read(self.radius));
+        let origin = Lanes::splat(self.courant.origin);
+        let (mut largest, mut all) = (Lanes::ZERO, Lanes::ZERO);
+        for first in (0..chunk.len()).step_by(WIDTH) {
+            let eight = first..chunk.len().min(first + WIDTH);
+            let load = |column: &[f64], fill| Lanes::load_or(&column[eight.clone()], fill);
+            let size = load(&size, f64::MAX.sqrt());
+            let (radius, innermost) = (load(&r, f64::MAX) + origin, Lanes::splat(INNERMOST) * size);
+            let length = if (radius - innermost).all_positive() {
+                size
+            } else {
+                let near = (radius / innermost).abs().min(Lanes::ONE);
+                size * near * near
+            };
+            let strain = Lanes::splat(4.0) * length * load(&strain_rate, 0.0);
+            let sound_speed = load(&sound_speed, 0.0);
+            let rate = sound_speed.mul_add(sound_speed, strain * strain) / (length * length);
+            largest = largest.max(rate);
+            all += rate;
+        }
+        // No maximum hides a NaN: the sum has it as well.
+        let largest = largest.to_array().into_iter().fold(0.0, f64::max);
+        [if all.sum().is_nan() { f64::NAN } else { largest }, 0.0]
+    }
+
+    fn combine(&self, [left, _]: Partial, [right, _]: Partial) -> Partial {
+        [if left > right || left.is_nan() { left } else { right }, 0.0]
+    }
+
+    fn finish(&mut self, world: &mut World, [largest, _]: Partial) -> Result<(), Fault> {
+        let acoustic = self.courant.number / largest.sqrt();
         world.clock.limit("acoustic", acoustic);
         let step_size = world.clock.bound().map_or(acoustic, |bound| bound.step_size);
         let at_rest = self.courant.number * self.courant.particle_size / self.courant.speed;
@@ -111,5 +108,10 @@ impl Stage for TimeStep {
         let larger = |&a: &usize, &b: &usize| strain_rate[a].abs().total_cmp(&strain_rate[b].abs());
         let worst = (0..strain_rate.len()).max_by(larger).unwrap_or(0);
         Err(self.bad_state.fault(world, worst, "strain_rate", strain_rate[worst]))
+    }
+
+    /// What moves the particles needs the step.
+    fn ends_group(&self) -> bool {
+        true
     }
 }

@@ -179,27 +179,21 @@ impl Builder<'_> {
         let reasons = ("ghosts bring the Laplace pressure to the surface", "there is no surface tension");
         if self.plan("ghost-coupling", self.with_tension(), reasons) {
             let with_energy = self.with_energy();
-            stages.push(AnyStage::whole(GhostCoupling::new(&mut self.wiring, 0.0, true, with_energy)));
+            stages.push(AnyStage::chunks(GhostCoupling::new(&mut self.wiring, 0.0, true, with_energy)));
         }
         let reasons = ("ghosts carry no gradient along the surface", "not asked for, or no colour field");
         if self.plan("tangential-pressure", self.with_slope(), reasons) {
-            stages.push(AnyStage::whole(TangentialPressure::new(&mut self.wiring)));
+            stages.push(AnyStage::chunks(TangentialPressure::new(&mut self.wiring)));
         }
         let reasons = ("surface forces must add up to tension's pull", "not asked for, or no colour field");
         if self.plan("tension-balance", self.with_slope(), reasons) {
             let (tension, with_energy) = (self.physics.surface_tension, self.with_energy());
             let stage = TensionBalance::new(&mut self.wiring, self.packing, tension, with_energy);
-            stages.push(AnyStage::whole(stage));
+            stages.push(AnyStage::chunks(stage));
         }
         let reasons = ("the pair sum of the strain is short at the surface", "not asked for, or no tension");
         if self.plan("strain-correction", self.corrects_strain(), reasons) {
-            stages.push(AnyStage::whole(StrainCorrection::new(&mut self.wiring)));
-        }
-        let reasons = ("a constant pressure must not act on the packing's disorder", "not asked for");
-        let reference = self.with_reference();
-        if self.plan("reference-pressure", reference, reasons) {
-            let stage = reference_pressure::ReferencePressure::new(&mut self.wiring);
-            stages.push(AnyStage::whole(stage));
+            stages.push(AnyStage::chunks(StrainCorrection::new(&mut self.wiring)));
         }
     }
 
@@ -207,6 +201,12 @@ impl Builder<'_> {
     fn motion(&mut self, stages: &mut Stages) {
         self.plan("time-step", true, ("the longest that is stable for every particle", ""));
         stages.push(self.time_step());
+        let reasons = ("a constant pressure must not act on the packing's disorder", "not asked for");
+        let reference = self.with_reference();
+        if self.plan("reference-pressure", reference, reasons) {
+            let stage = reference_pressure::ReferencePressure::new(&mut self.wiring);
+            stages.push(AnyStage::whole(stage));
+        }
         let reasons = ("surface forces join; they must not move the whole", "there is no surface tension");
         if self.plan("correction", self.with_tension(), reasons) {
             let recoil = self.physics.method.momentum_correction;
@@ -273,6 +273,7 @@ impl Builder<'_> {
             support: method.colour_support,
             interval: method.curvature_interval,
             sound_speed: self.physics.sound_speed,
+            capillary_time: 1.0 / self.physics.capillary_rate,
             with_slope: self.with_slope(),
         };
         let colour = self.colour.clone();
@@ -286,7 +287,7 @@ impl Builder<'_> {
             particle_size: self.physics.particle_size,
             origin: self.physics.domain.origin,
         };
-        AnyStage::whole(TimeStep::new(&mut self.wiring, courant))
+        AnyStage::chunks(TimeStep::new(&mut self.wiring, courant))
     }
 
     fn integrate(&mut self) -> AnyStage {

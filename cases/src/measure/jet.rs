@@ -3,10 +3,12 @@
 use super::evaluate::Outcome;
 use super::growth;
 use super::history::History;
+use super::motion::mass_sum;
 use super::observe::Particles;
 use super::viscous::jet_growth_rate;
 use crate::assemble::Physics;
 use crate::scene::Liquid;
+use meniscus_engine::lanes::Lanes;
 use std::f64::consts::PI;
 
 /// Both parts of the wave's amplitude over the radius, the smallest radius of the surface, and the radius
@@ -25,17 +27,16 @@ const SPLINTER: f64 = 0.002;
 /// One row. The amplitude is the mean of cos(k z) over the mass: epsilon for a surface R (1 + epsilon
 /// cos(k z)).
 pub(super) fn observe(particles: &Particles, physics: &Physics, wavenumber: f64, radius: f64) -> Vec<f64> {
-    let k = wavenumber / radius;
-    let (mut cosine, mut sine, mut mass) = (0.0, 0.0, 0.0);
-    for (z, m) in particles.z.iter().zip(particles.mass) {
-        let (s, c) = (k * z).sin_cos();
-        cosine += m * c;
-        sine += m * s;
-        mass += m;
-    }
+    let mean = |part: fn((Lanes, Lanes)) -> Lanes| {
+        let (sum, mass) = mass_sum(particles.z.len(), |eight| {
+            let phase = Lanes::splat(wavenumber / radius) * Lanes::load_or(&particles.z[eight.clone()], 0.0);
+            [part(phase.sin_cos()), Lanes::load_or(&particles.mass[eight], 0.0)]
+        });
+        sum / mass
+    };
     let outline = Outline::of(particles, physics);
     let neck = outline.surface.iter().fold(f64::INFINITY, |least, r| least.min(*r));
-    vec![cosine / mass, sine / mass, neck, outline.smallest_drop()]
+    vec![mean(|(_, cosine)| cosine), mean(|(sine, _)| sine), neck, outline.smallest_drop()]
 }
 
 /// Largest radius and volume in slices of two particle sizes.

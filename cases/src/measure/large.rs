@@ -4,10 +4,13 @@ use super::evaluate::{Outcome, oscillation_fit};
 use super::exact::Drop;
 use super::fit;
 use super::history::History;
+use super::motion::mass_sum;
 use super::observe::Particles;
 use super::potential::PotentialDrop;
 use crate::scene::Liquid;
+use meniscus_engine::lanes::Lanes;
 use std::f64::consts::PI;
+use std::ops::Range;
 
 /// Mean of s^2 P_2(cos theta) over the mass, over the square of the equal sphere's radius.
 pub(super) const COLUMNS: [(&str, &str); 1] = [("elongation", "1")];
@@ -41,11 +44,15 @@ impl Start {
 
 /// About the centre of mass.
 pub(super) fn observe(particles: &Particles, start: Start) -> Vec<f64> {
-    let mass: f64 = particles.mass.iter().sum();
-    let weighted = |values: &[f64]| values.iter().zip(particles.mass).map(|(v, m)| v * m).sum::<f64>() / mass;
-    let centre = weighted(particles.z);
-    let moments = particles.r.iter().zip(particles.z).map(|(r, z)| (z - centre).powi(2) - 0.5 * r * r);
-    vec![weighted(&moments.collect::<Vec<f64>>()) / start.radius().powi(2)]
+    let load = |column: &[f64], eight: &Range<usize>| Lanes::load_or(&column[eight.clone()], 0.0);
+    let len = particles.r.len();
+    let (sum, mass) = mass_sum(len, |eight| [load(particles.z, &eight), load(particles.mass, &eight)]);
+    let centre = Lanes::splat(sum / mass);
+    let (moment, _) = mass_sum(len, |eight| {
+        let (r, z) = (load(particles.r, &eight), load(particles.z, &eight) - centre);
+        [z * z - Lanes::HALF * r * r, load(particles.mass, &eight)]
+    });
+    vec![moment / mass / start.radius().powi(2)]
 }
 
 /// The frequency of a damped oscillation that is fitted alike to the run and to the potential flow (their own

@@ -6,12 +6,12 @@ use super::motion::{Motion, mass_sum};
 use super::surface::Surface;
 use super::{film, flow, free_surface, jet, large, neck, spread};
 use crate::assemble::Physics;
-use crate::scene::legendre;
 use crate::scene::{Liquid, Measure, Scene};
 use crate::simulation::Simulation;
 use meniscus_engine::field::Field;
-use meniscus_engine::parallel;
+use meniscus_engine::lanes::{Lanes, WIDTH};
 use meniscus_stages::fields;
+use std::ops::Range;
 
 /// Name and SI unit of what is observed.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -129,75 +129,70 @@ impl Observer {
     }
 
     fn observe_motion(&self, particles: &Particles, row: &mut Vec<f64>) {
-        let [u, w] = particles.velocity;
-        let body = |start: usize, (), len: usize| {
-            let mut motion = Motion::default();
-            for i in start..start + len {
-                let m = particles.mass[i];
-                let square = u[i] * u[i] + w[i] * w[i];
-                motion.mass += m;
-                motion.momentum += m * w[i];
-                motion.scale += (m * w[i]).abs();
-                motion.kinetic += 0.5 * m * square;
-                motion.compression += m * self.stored_energy(particles, i);
-                motion.fastest_square = motion.fastest_square.max(square);
-                let (r, z) = (particles.r[i], particles.z[i]);
-                let [r_most, z_least, z_most] = motion.extents;
-                motion.extents = [r_most.max(r), z_least.min(z), z_most.max(z)];
-            }
-            motion
-        };
-        let motion = parallel::fold_chunks(particles.r.len(), (), &body, &Motion::add);
-        let Motion { mass, momentum, scale, kinetic, compression, fastest_square, extents } = motion;
+        let motion = Motion::of(particles, |eight| self.stored_energy(particles, eight));
+        let Motion { mass, momentum, scale, kinetic, internal, fastest_square, extents } = motion;
         let rms = (2.0 * kinetic / mass).sqrt();
-        row.extend([mass, momentum, scale, kinetic, compression, rms]);
+        row.extend([mass, momentum, scale, kinetic, internal, rms]);
         row.extend(extents);
         row.push(fastest_square.sqrt());
     }
 
-    /// Specific internal energy in J/kg, or what compression alone has stored.
-    fn stored_energy(&self, particles: &Particles, i: usize) -> f64 {
-        match particles.energy {
-            Some(_) => particles.internal_energy(i),
-            None => self.compression_energy(particles.density[i]),
+    /// Specific internal energies in J/kg, or what compression alone has stored.
+    fn stored_energy(&self, particles: &Particles, eight: Range<usize>) -> Lanes {
+        if particles.energy.is_some() {
+            let mut stored = [0.0; WIDTH];
+            eight.zip(&mut stored).for_each(|(i, stored)| *stored = particles.internal_energy(i));
+            return Lanes::load(&stored);
         }
+        let rest = self.physics.reference_density;
+        self.compression_energy(Lanes::load_or(&particles.density[eight], rest))
     }
 
     /// The integral of P/rho^2 over the density from that at rest, in J/kg.
-    fn compression_energy(&self, density: f64) -> f64 {
-        let excess = (density - self.physics.reference_density) / self.physics.reference_density;
+    fn compression_energy(&self, density: Lanes) -> Lanes {
+        let rest = Lanes::splat(self.physics.reference_density);
+        let excess = (density - rest) * Lanes::splat(1.0 / self.physics.reference_density);
         // ln(1 + x) - x/(1 + x) = x^2/2 - 2 x^3/3 + 3 x^4/4 - ...: the series where it is exact to rounding, for there the
         // difference of both would cancel, and a logarithm takes long.
-        let integral = if excess.abs() < 0.01 {
-            let term = |sum: f64, k: i32| f64::from(k - 1) / f64::from(k) - excess * sum;
-            excess * excess * (2..=9).rev().fold(0.0, term)
+        let integral = if (Lanes::splat(0.01) - excess.abs()).all_positive() {
+            let term =
+                |sum: Lanes, k: i32| excess.neg_mul_add(sum, Lanes::splat(f64::from(k - 1) / f64::from(k)));
+            excess * excess * (2..=9).rev().fold(Lanes::ZERO, term)
         } else {
-            excess.ln_1p() - excess / (1.0 + excess)
+            Lanes::load(&excess.to_array().map(|excess| excess.ln_1p() - excess / (1.0 + excess)))
         };
-        self.physics.sound_speed.powi(2) * integral
+        Lanes::splat(self.physics.sound_speed.powi(2)) * integral
     }
 
     /// The axial centre of mass of what lies within `reach` of a point of the axis: a drop may drift,
     /// and its shape is measured about where it is.
     fn centre_of_mass(&self, particles: &Particles, centre: f64, reach: f64) -> f64 {
-        let (sum, mass) = mass_sum(particles.r.len(), |i| {
-            let (r, z) = (particles.r[i] + self.origin, particles.z[i] - centre);
-            let is_near = r * r + z * z < reach * reach;
-            (particles.z[i], if is_near { particles.mass[i] } else { 0.0 })
+        let square = Lanes::splat(reach * reach);
+        let (sum, mass) = mass_sum(particles.r.len(), |eight| {
+            let [r, z] = self.place(particles, eight.clone(), centre);
+            let mass = Lanes::load_or(&particles.mass[eight.clone()], 0.0);
+            let near = square.select_greater(r.mul_add(r, z * z), mass, Lanes::ZERO);
+            [Lanes::load_or(&particles.z[eight], 0.0), near]
         });
         if mass > 0.0 { sum / mass } else { centre }
     }
 
+    /// Distances from the axis, and along it from a centre, of eight particles, m.
+    fn place(&self, particles: &Particles, eight: Range<usize>, centre: f64) -> [Lanes; 2] {
+        let [r, z] = [particles.r, particles.z].map(|column| Lanes::load_or(&column[eight.clone()], 0.0));
+        [r + Lanes::splat(self.origin), z - Lanes::splat(centre)]
+    }
+
     fn observe_measure(&self, particles: &Particles, measure: &Measure, (time, rms): (f64, f64)) -> Vec<f64> {
-        let place = |i: usize, centre: f64| {
-            let (r, z) = (particles.r[i] + self.origin, particles.z[i] - centre);
-            ((r * r + z * z).sqrt(), z)
-        };
         let all = 0..particles.r.len();
         let near = self.physics.particle_size;
         match *measure {
             Measure::LaplacePressure { radius, centre } => {
-                let inside = all.filter(|&i| place(i, centre).0 < CORE * radius);
+                let square = (CORE * radius).powi(2);
+                let inside = all.filter(|&i| {
+                    let (r, z) = (particles.r[i] + self.origin, particles.z[i] - centre);
+                    r * r + z * z < square
+                });
                 let (sum, mass) = inside.fold((0.0, 0.0), |(sum, mass), i| {
                     let m = particles.mass[i];
                     // The whole pressure, whatever part of it the forces leave out.
@@ -209,14 +204,10 @@ impl Observer {
             }
             Measure::Oscillation { mode, radius, centre, .. } => {
                 let centre = self.centre_of_mass(particles, centre, 2.0 * radius);
-                let (sum, mass) = mass_sum(all.len(), |i| {
-                    let (s, z) = place(i, centre);
-                    let harmonic = if s > 0.0 {
-                        (s / radius).powi(mode as i32) * legendre(mode as usize, z / s)[0]
-                    } else {
-                        0.0
-                    };
-                    (harmonic, particles.mass[i])
+                let (sum, mass) = mass_sum(all.len(), |eight| {
+                    let place = self.place(particles, eight.clone(), centre);
+                    let place = place.map(|length| length * Lanes::splat(1.0 / radius));
+                    [solid_harmonic(mode, place), Lanes::load_or(&particles.mass[eight], 0.0)]
                 });
                 vec![sum / mass]
             }
@@ -244,6 +235,36 @@ impl Observer {
             }
             Measure::ShockSpeed { speed, length } => {
                 flow::observe_shock(particles, &self.physics, speed, length)
+            }
+        }
+    }
+}
+
+/// s^n P_n(z/s) of places (r, z) at a distance s from the origin, by the recurrence of the Legendre polynomials,
+/// n H_n = (2 n - 1) z H_(n-1) - (n - 1) s^2 H_(n-2).
+fn solid_harmonic(degree: u32, [r, z]: [Lanes; 2]) -> Lanes {
+    let square = r.mul_add(r, z * z);
+    let next = |[before, last]: [Lanes; 2], n: u32| {
+        let n = f64::from(n);
+        let [upper, lower] = [(2.0 * n - 1.0) / n, (n - 1.0) / n].map(Lanes::splat);
+        [last, (upper * z).mul_add(last, -(lower * square * before))]
+    };
+    (1..=degree).fold([Lanes::ZERO, Lanes::ONE], next)[1]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::legendre;
+
+    #[test]
+    fn solid_harmonics_are_legendre_polynomials() {
+        for degree in 0..7u32 {
+            for (r, z) in [(0.3f64, 0.7f64), (1.2, -0.4), (0.0, 0.9), (0.5, 0.0)] {
+                let s = r.hypot(z);
+                let expected = s.powi(degree as i32) * legendre(degree as usize, z / s)[0];
+                let found = solid_harmonic(degree, [r, z].map(Lanes::splat)).to_array()[0];
+                assert!((found - expected).abs() < 1e-14, "{degree} at {r} {z}: {found} {expected}");
             }
         }
     }

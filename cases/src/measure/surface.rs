@@ -2,9 +2,11 @@
 
 use super::exact::Drop;
 use super::free_surface;
+use super::motion::mass_sum;
 use super::observe::Particles;
 use crate::assemble::Physics;
 use crate::scene::{Measure, Scene};
+use meniscus_engine::lanes::Lanes;
 use meniscus_engine::store::Store;
 use std::f64::consts::PI;
 
@@ -55,8 +57,10 @@ fn energy_of_sphere(
     measures: &[Measure],
     amplitudes: &[Vec<f64>],
 ) -> f64 {
-    let volumes = particles.mass.iter().zip(particles.density);
-    let volume: f64 = volumes.map(|(mass, density)| mass / density).sum();
+    let (volume, _) = mass_sum(particles.r.len(), |eight| {
+        let density = Lanes::load_or(&particles.density[eight.clone()], 1.0);
+        [Lanes::ONE / density, Lanes::load_or(&particles.mass[eight], 0.0)]
+    });
     let sphere = (36.0 * PI * volume * volume).cbrt();
     let deformation = |(measure, amplitude): (&Measure, &Vec<f64>)| match *measure {
         Measure::Oscillation { mode, .. } => drop.deformation_energy(mode, deformation(mode, amplitude[0])),

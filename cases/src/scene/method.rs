@@ -28,7 +28,7 @@ pub struct Method {
     pub time_integration: TimeIntegration,
     /// Curvature estimate.
     pub curvature: Curvature,
-    /// Steps from one curvature estimate to the next; at least 1.
+    /// Most steps from one curvature estimate to the next; at least 1.
     pub curvature_interval: u64,
     /// Support of the colour field, in particle sizes; positive.
     pub colour_support: f64,
@@ -85,7 +85,7 @@ impl Method {
             shock_contacts: true,
             time_integration: TimeIntegration::AdamsBashforth,
             curvature: Curvature::ColourField,
-            curvature_interval: 4,
+            curvature_interval: 8,
             colour_support: 11.0,
             normal_theta: 1.5,
             reference_pressure: ReferencePressure::Drop,
