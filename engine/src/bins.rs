@@ -27,6 +27,12 @@ impl Bins {
 
     /// The same for `count` points of which `place` tells (r, z), always the same.
     pub fn build_of(&mut self, count: usize, place: impl Fn(usize) -> (f64, f64), cell: f64) {
+        self.lay_out(count, &place, cell);
+        self.sort(count, place, |_| true);
+    }
+
+    /// The first half of [`Bins::build_of`]: the cells, without members.
+    pub fn lay_out(&mut self, count: usize, place: impl Fn(usize) -> (f64, f64), cell: f64) {
         let mut least = [f64::INFINITY; 2];
         let mut most = [f64::NEG_INFINITY; 2];
         for (r, z) in (0..count).map(&place) {
@@ -46,37 +52,62 @@ impl Bins {
         (self.r_least, self.z_least, self.inverse_cell) = (r_least, z_least, 1.0 / cell);
         self.rows = (height / cell) as usize + 1;
         self.columns = (width / cell) as usize + 1;
-        self.sort(count, place);
     }
 
-    fn sort(&mut self, count: usize, place: impl Fn(usize) -> (f64, f64)) {
-        let (rows, columns) = (self.rows, self.columns);
-        let (r_least, z_least, inverse_cell) = (self.r_least, self.z_least, self.inverse_cell);
-        let cell_of = |point: usize| {
+    /// The second half: takes up the points whose cell is kept. A cell's members come in their order, whatever others
+    /// are kept.
+    pub fn sort(&mut self, count: usize, place: impl Fn(usize) -> (f64, f64), keep: impl Fn(usize) -> bool) {
+        let cells = self.cells();
+        let (mut start, mut members) = (std::mem::take(&mut self.start), std::mem::take(&mut self.members));
+        start.clear();
+        start.resize(cells + 1, 0);
+        let kept = |point: usize| {
             let (r, z) = place(point);
-            let row = ((r - r_least) * inverse_cell) as usize;
-            let column = ((z - z_least) * inverse_cell) as usize;
-            row.min(rows - 1) * columns + column.min(columns - 1)
+            Some(self.cell_of(r, z)).filter(|&cell| keep(cell))
         };
-        self.start.clear();
-        self.start.resize(rows * columns + 1, 0);
-        for point in 0..count {
-            self.start[cell_of(point) + 1] += 1;
+        for cell in (0..count).filter_map(kept) {
+            start[cell + 1] += 1;
         }
-        for cell in 0..rows * columns {
-            self.start[cell + 1] += self.start[cell];
+        for cell in 0..cells {
+            start[cell + 1] += start[cell];
         }
-        self.members.clear();
-        self.members.resize(count + WIDTH, 0);
+        let total = start[cells];
+        members.clear();
+        members.resize(total as usize + WIDTH, 0);
         // Filling from the back with the ends of the cells leaves `start` as the starts.
         for point in (0..count).rev() {
-            let slot = &mut self.start[cell_of(point) + 1];
-            *slot -= 1;
-            self.members[*slot as usize] = point as u32;
+            if let Some(cell) = kept(point) {
+                let slot = &mut start[cell + 1];
+                *slot -= 1;
+                members[*slot as usize] = point as u32;
+            }
         }
         // `start[c + 1]` now holds the start of cell c: move it down by one.
-        self.start.rotate_left(1);
-        self.start[rows * columns] = count as u32;
+        start.rotate_left(1);
+        start[cells] = total;
+        (self.start, self.members) = (start, members);
+    }
+
+    /// Number of cells.
+    pub fn cells(&self) -> usize {
+        self.rows * self.columns
+    }
+
+    /// Number of the cell at (r, z).
+    #[inline]
+    pub fn cell_of(&self, r: f64, z: f64) -> usize {
+        let [row, column] = self.place(r, z);
+        cell(row, self.rows) * self.columns + cell(column, self.columns)
+    }
+
+    /// Calls `visit` with ranges of cells that together hold every place within `reach` metres of any place of a cell.
+    pub fn cells_around(&self, of: usize, reach: f64, mut visit: impl FnMut(Range<usize>)) {
+        let steps = (reach * self.inverse_cell) as usize + 1;
+        let (row, column) = (of / self.columns, of % self.columns);
+        let (first, last) = (column.saturating_sub(steps), (column + steps).min(self.columns - 1));
+        for row in row.saturating_sub(steps)..=(row + steps).min(self.rows - 1) {
+            visit(row * self.columns + first..row * self.columns + last + 1);
+        }
     }
 
     /// Bytes that cells and members take.

@@ -7,6 +7,7 @@ use crate::moment::Moment;
 use crate::sort_bin::WIDEST_SKIN;
 use crate::surface::{BOUNDARY, INSIDE, NEAR_BOUNDARY, length};
 use crate::surface_interval::is_due;
+use crate::surface_search::{FARTHEST, even};
 use meniscus_engine::lanes::{Lanes, WIDTH};
 use meniscus_engine::parallel;
 use meniscus_engine::pipeline::{Fault, Stage, World};
@@ -119,9 +120,13 @@ impl BoundaryDetect {
         let source = Particles { r: &r, z: &z, size: &size, list_r: &list_r, list_z: &list_z, support };
         let slack = 0.25 * WIDEST_SKIN * self.packing.largest_size;
         let mut field = guard.field.lock().expect("no stage panics while it holds the colour field");
-        field.refresh(&source, world.neighbours.builds(), slack, &self.packing.domain);
         let (r, z, size, doubtful) = (&r[..], &z[..], &size[..], &self.doubtful[..]);
         let largest = self.packing.largest_size;
+        let wanted = self.candidates.iter().map(|&i| {
+            let size = size[i as usize].min(largest);
+            (i, guard.support * even(size, 0.5 * largest).max(size) + FARTHEST * size)
+        });
+        field.refresh(&source, wanted, world.neighbours.builds(), (slack, &self.packing.domain));
         let mut known = std::mem::take(&mut field.known);
         known.resize(doubtful.len(), (0, Colour::default()));
         let look = &*field;

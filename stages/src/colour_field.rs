@@ -3,9 +3,11 @@
 use meniscus_engine::bins::Bins;
 use meniscus_engine::domain::{Domain, Image};
 use meniscus_engine::lanes::{Lanes, WIDTH};
-use meniscus_engine::parallel;
 use meniscus_engine::store::bytes_of;
 use std::f64::consts::PI;
+
+/// Size of a cell over the largest support radius, twice the usual one.
+const FINENESS: f64 = 0.125;
 
 /// Colour and derivatives at a point, SI units.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -19,7 +21,9 @@ pub struct Colour {
 }
 
 /// The particles as the colour field sums them: in rows of cells, images at the axis and the period
-/// included. The membership of cells is renewed with the neighbour list, positions every time.
+/// included. The membership of cells is renewed with the neighbour list, positions every time. Only cells near places
+/// where the field is asked for have members. What lies in a cell, and in which order, does not depend on which these
+/// are: nor does any sum.
 #[derive(Debug, Default)]
 pub struct ColourField {
     list_build: u64,
@@ -29,54 +33,81 @@ pub struct ColourField {
     z: Vec<f64>,
     area: Vec<f64>,
     slack: f64,
+    /// Whether a cell has its members.
+    has_members: Vec<bool>,
+    /// How far from any place of a cell all cells have theirs, m.
+    complete: Vec<f64>,
     /// The field at the places of some particles since the last refresh, in the order of particles.
     pub known: Vec<(u32, Colour)>,
 }
 
+/// Cells take up members for so many times the reach that is asked for, so that they need not soon be sorted again.
+const SPARE: f64 = 1.1;
+
 impl ColourField {
     /// Takes up the particles' present positions and sizes (m). `list_build` counts the builds of
-    /// the neighbour list, between which no particle moves farther than `most_slack` metres.
-    pub fn refresh(&mut self, source: &Particles, list_build: u64, most_slack: f64, domain: &Domain) {
+    /// the neighbour list, between which no particle moves farther than `slack` metres. The field may then be asked for
+    /// with all that lies within a reach (m) of each of the `wanted` particles.
+    pub fn refresh(
+        &mut self,
+        source: &Particles,
+        wanted: impl Iterator<Item = (u32, f64)> + Clone,
+        list_build: u64,
+        (slack, domain): (f64, &Domain),
+    ) {
         let Particles { r, z, size, list_r, list_z, support } = *source;
         self.known.clear();
-        let count = r.len();
-        if self.list_build != list_build || self.r.is_empty() {
+        self.slack = slack;
+        let is_new = self.list_build != list_build || self.complete.is_empty();
+        if is_new {
             self.list_build = list_build;
-            domain.images(list_r, list_z, support + 2.0 * most_slack, &mut self.images);
-            // The columns first hold the places at the list's build, to sort by them.
-            for (column, own) in [(&mut self.r, list_r), (&mut self.z, list_z)] {
-                column.clear();
-                column.extend_from_slice(own);
+            domain.images(list_r, list_z, support + 2.0 * slack, &mut self.images);
+        }
+        let images = &self.images;
+        let place = |point: usize, r: &[f64], z: &[f64]| match point.checked_sub(r.len()) {
+            None => (r[point], z[point]),
+            Some(image) => {
+                let source = images[image].source as usize;
+                domain.place(&images[image], r[source], z[source])
             }
-            for image in &self.images {
-                let source = image.source as usize;
-                let (image_r, image_z) = domain.place(image, list_r[source], list_z[source]);
-                self.r.push(image_r);
-                self.z.push(image_z);
+        };
+        let count = r.len() + images.len();
+        let listed = |point: usize| place(point, list_r, list_z);
+        if is_new {
+            self.bins.lay_out(count, listed, FINENESS * support);
+        }
+        // Both the particle and what it sees may have moved since the list was built; and all of this is rounded.
+        let bins = &self.bins;
+        let wanted = wanted.map(|(i, reach)| {
+            let cell = bins.cell_of(list_r[i as usize], list_z[i as usize]);
+            (cell, 1.001 * (reach + 2.0 * slack))
+        });
+        if is_new || wanted.clone().any(|(cell, reach)| self.complete[cell] < reach) {
+            let (has_members, complete) = (&mut self.has_members, &mut self.complete);
+            has_members.clear();
+            has_members.resize(bins.cells(), false);
+            complete.clear();
+            complete.resize(bins.cells(), 0.0);
+            for (cell, reach) in wanted {
+                bins.cells_around(cell, 0.0, |cells| {
+                    complete[cells].iter_mut().for_each(|complete| *complete = complete.max(SPARE * reach));
+                });
             }
-            self.bins.build(&self.r, &self.z, 0.25 * support);
-            let padded = count + self.images.len() + WIDTH;
+            for cell in (0..bins.cells()).filter(|&cell| complete[cell] > 0.0) {
+                bins.cells_around(cell, complete[cell], |cells| has_members[cells].fill(true));
+            }
+            self.bins.sort(count, listed, |cell| self.has_members[cell]);
+            let padded = self.bins.padded_members().len();
             for column in [&mut self.r, &mut self.z, &mut self.area] {
                 column.clear();
                 column.resize(padded, 0.0);
             }
         }
-        let moved = |i: usize| {
-            let (r, z) = (r[i] - list_r[i], z[i] - list_z[i]);
-            r * r + z * z
-        };
-        self.slack = parallel::maximum(count, moved).sqrt();
-        for (k, &member) in self.bins.members().iter().enumerate() {
+        let members = self.bins.members().iter();
+        for (k, &member) in members.enumerate() {
             let member = member as usize;
-            let (source, place) = match member.checked_sub(r.len()) {
-                None => (member, (r[member], z[member])),
-                Some(image) => {
-                    let image = &self.images[image];
-                    let source = image.source as usize;
-                    (source, domain.place(image, r[source], z[source]))
-                }
-            };
-            (self.r[k], self.z[k]) = place;
+            let source = member.checked_sub(r.len()).map_or(member, |image| images[image].source as usize);
+            (self.r[k], self.z[k]) = place(member, r, z);
             self.area[k] = size[source] * size[source];
         }
     }
@@ -84,7 +115,8 @@ impl ColourField {
     /// Bytes that the particles take in it.
     pub fn bytes(&self) -> usize {
         let columns = [&self.r, &self.z, &self.area].into_iter().map(bytes_of).sum::<usize>();
-        columns + bytes_of(&self.images) + bytes_of(&self.known) + self.bins.bytes()
+        let cells = bytes_of(&self.has_members) + bytes_of(&self.complete);
+        columns + cells + bytes_of(&self.images) + bytes_of(&self.known) + self.bins.bytes()
     }
 
     /// The field at (r, z) with the given support radius, all in metres.
@@ -167,6 +199,13 @@ fn add_kernel(x: Lanes, y: Lanes, area: Lanes, sums: &mut [Lanes; 6]) {
 mod tests {
     use super::*;
 
+    const DOMAIN: Domain = Domain { origin: 0.0, period: None };
+
+    /// Whoever sees the whole lattice.
+    fn all(count: usize) -> impl Iterator<Item = (u32, f64)> + Clone {
+        (0..count as u32).map(|i| (i, 1.0))
+    }
+
     fn lattice() -> ColourField {
         let (mut r, mut z) = (Vec::new(), Vec::new());
         for i in 0..40 {
@@ -178,7 +217,7 @@ mod tests {
         let size = vec![0.1; r.len()];
         let mut field = ColourField::default();
         let source = Particles { r: &r, z: &z, size: &size, list_r: &r, list_z: &z, support: 0.8 };
-        field.refresh(&source, 1, 0.0, &Domain { origin: 0.0, period: None });
+        field.refresh(&source, all(r.len()), 1, (0.0, &DOMAIN));
         field
     }
 
@@ -205,5 +244,28 @@ mod tests {
         close(here.second[0], (east.gradient[0] - west.gradient[0]) / (2.0 * step));
         close(here.second[1], (north.gradient[0] - south.gradient[0]) / (2.0 * step));
         close(here.second[2], (north.gradient[1] - south.gradient[1]) / (2.0 * step));
+    }
+
+    #[test]
+    fn what_is_not_asked_for_changes_no_bit() {
+        let spiral = |k: u32, at: f64| 3.0 + 0.08 * f64::from(k).sqrt() * (at + 2.4 * f64::from(k)).sin();
+        let r: Vec<f64> = (0..2000).map(|k| spiral(k, 0.5 * std::f64::consts::PI)).collect();
+        let z: Vec<f64> = (0..2000).map(|k| spiral(k, 0.0)).collect();
+        let (size, moved) =
+            (vec![0.1; r.len()], |z: &[f64]| z.iter().map(|z| z + 0.01).collect::<Vec<f64>>());
+        let now = moved(&z);
+        let source = Particles { r: &r, z: &now, size: &size, list_r: &r, list_z: &z, support: 0.8 };
+        let mut whole = ColourField::default();
+        whole.refresh(&source, all(2000), 1, (0.02, &DOMAIN));
+        let mut part = ColourField::default();
+        for centre in [1999, 3, 700] {
+            part.refresh(&source, [(centre, 1.0)].into_iter(), 1, (0.02, &DOMAIN));
+            assert!(part.bins.members().len() < 1500);
+            let i = centre as usize;
+            for (dr, dz) in [(0.0, 0.0), (0.1, 0.15), (-0.19, 0.0)] {
+                let at = [r[i] + dr, now[i] + dz];
+                assert_eq!(part.at(at[0], at[1], 0.8), whole.at(at[0], at[1], 0.8), "{centre} {dr} {dz}");
+            }
+        }
     }
 }

@@ -7,7 +7,7 @@ use crate::fields;
 use crate::surface::{BOUNDARY, for_surface};
 use crate::surface_interval::{COMPUTED, HOLDS_UNTIL, holds, is_due};
 use crate::surface_neighbours::SurfaceNeighbours;
-use crate::surface_search::{Found, SHARPEST, Start, find};
+use crate::surface_search::{Found, SHARPEST, Start, even, find};
 use atomic_refcell::AtomicRefMut;
 use meniscus_engine::field::clear;
 use meniscus_engine::parallel;
@@ -43,11 +43,6 @@ const FEWEST: u32 = 12;
 /// The Laplace pressure changes no faster than by this part of sigma/D in a particle's capillary time
 /// sqrt(rho D^3/sigma): what is faster is no motion of a resolved surface, but another place found for it.
 const FASTEST: f64 = 0.25;
-
-/// Neighbours whose sizes differ by so small a part of the usual one look at the same smoothed liquid. With supports
-/// in proportion to their own sizes each would see other disorder, and in a resting packing the error of the curvature
-/// would be twice as large.
-const EVEN: f64 = 0.1;
 
 /// The stage. It must follow the boundary detection of the same step, which takes up the particles in
 /// the shared colour field.
@@ -263,13 +258,6 @@ impl CurvatureColour {
             }
         });
     }
-}
-
-/// What the support is measured by for a particle of the given size (m), where particles have `usual` ones: up to
-/// [`EVEN`] more or less doesn't count.
-fn even(size: f64, usual: f64) -> f64 {
-    let (least, most) = ((1.0 - EVEN) * usual, (1.0 + EVEN) * usual);
-    usual + (size - size.clamp(least, most))
 }
 
 /// Laplace pressure, its slope, the surface's tangent and the way to it.

@@ -46,6 +46,21 @@ const CLOSE: f64 = 0.1;
 /// Largest principal curvature times the particle size: nothing smaller than a particle is resolved.
 pub(crate) const SHARPEST: f64 = 1.0;
 
+/// A surface that is farther from a particle than so many particle sizes is another one's.
+pub(crate) const FARTHEST: f64 = 3.0;
+
+/// Neighbours whose sizes differ by so small a part of the usual one look at the same smoothed liquid. With supports
+/// in proportion to their own sizes each would see other disorder, and in a resting packing the error of the curvature
+/// would be twice as large.
+const EVEN: f64 = 0.1;
+
+/// What the support is measured by for a particle of the given size (m), where particles have `usual` ones: up to
+/// [`EVEN`] more or less doesn't count.
+pub(crate) fn even(size: f64, usual: f64) -> f64 {
+    let (least, most) = ((1.0 - EVEN) * usual, (1.0 + EVEN) * usual);
+    usual + (size - size.clamp(least, most))
+}
+
 /// Where the search for the surface starts.
 pub(crate) enum Start {
     /// At the particle, whose colour is known.
@@ -66,11 +81,15 @@ pub(crate) fn find(
     origin: f64,
 ) -> Found {
     let steepness = |colour: &Colour| length(colour.gradient);
+    let is_far = |foot: [f64; 2]| length([foot[0] - at[0], foot[1] - at[1]]) > FARTHEST * size;
     let newton = |colour: &Colour| ((0.5 - colour.value) / steepness(colour)).clamp(-size, size);
     let (mut foot, mut colour, mut inward) = match start {
         Start::Particle(here) => (at, here, -support * depth((here.value - 0.5).clamp(-0.5, 0.5))),
         Start::Foot(offset) => {
             let foot = [at[0] + offset[0], at[1] + offset[1]];
+            if is_far(foot) {
+                return Found::default();
+            }
             let colour = field.at(foot[0], foot[1], support);
             (foot, colour, newton(&colour))
         }
@@ -81,6 +100,9 @@ pub(crate) fn find(
     {
         let step = inward / steepness(&colour);
         foot = [foot[0] + step * colour.gradient[0], foot[1] + step * colour.gradient[1]];
+        if is_far(foot) {
+            return Found::default();
+        }
         colour = field.at(foot[0], foot[1], support);
         inward = newton(&colour);
         evaluations += 1;
