@@ -35,6 +35,15 @@ impl Equation {
         }
     }
 
+    /// The speed of sound in m/s if it is the same whatever the state.
+    pub fn constant_sound_speed(&self) -> Option<f64> {
+        match self {
+            Equation::Linear(equation) => equation.constant_sound_speed(),
+            Equation::MieGrueneisen(equation) => equation.constant_sound_speed(),
+            Equation::IdealGas(equation) => equation.constant_sound_speed(),
+        }
+    }
+
     /// s of the shock adiabat D = C + s u.
     pub fn shock_slope(&self) -> f64 {
         match self {

@@ -1,7 +1,7 @@
 //! Normals and curvature from the colour field: where c = 1/2 along its gradient lies the surface.
 
 use crate::colour_field::ColourField;
-use crate::drops::particles_of_drops;
+use crate::drops::{count, particles_of_drops};
 use crate::equation_of_state::Packing;
 use crate::fields;
 use crate::surface::{BOUNDARY, for_surface};
@@ -62,6 +62,8 @@ pub struct CurvatureColour {
     step_bound: f64,
     boundary: Vec<u32>,
     near_boundary: Vec<u32>,
+    /// Whose values are set, and in the order that particles had when the list of that number was built.
+    set: (u64, Vec<u32>),
     found: Vec<Found>,
     slopes: Vec<[f64; 2]>,
     neighbours: SurfaceNeighbours,
@@ -96,6 +98,7 @@ impl CurvatureColour {
             tangent: settings.with_slope.then(|| tangent.map(|field| wiring.write(field))),
             boundary: Vec::new(),
             near_boundary: Vec::new(),
+            set: (0, Vec::new()),
             found: Vec::new(),
             slopes: Vec::new(),
             neighbours: SurfaceNeighbours::default(),
@@ -141,6 +144,9 @@ impl CurvatureColour {
     /// Spray has no Laplace pressure.
     fn leave_out_spray(&mut self, world: &World) {
         let drop = world.store.read(self.drop);
+        if count(&drop) == 1 && drop.len() >= FEWEST as usize {
+            return;
+        }
         let particles = particles_of_drops(&drop, &world.arena);
         for (k, &i) in self.boundary.iter().enumerate() {
             if particles[drop[i as usize] as usize] < FEWEST {
@@ -156,6 +162,7 @@ impl CurvatureColour {
         let size = |i: u32| size[i as usize].min(self.packing.largest_size);
         let mut columns = Columns {
             pressure: world.store.write(self.pressure),
+            rate: world.store.write(self.rate),
             slope: self.slope.map(|slope| slope.map(|field| world.store.write(field))),
             tangent: self.tangent.map(|tangent| tangent.map(|field| world.store.write(field))),
             offset: self.offset.map(|field| world.store.write(field)),
@@ -164,7 +171,8 @@ impl CurvatureColour {
         let member = |k: usize| *boundary.get(k).unwrap_or_else(|| &near[k - boundary.len()]);
         let layer = &*world.arena.alloc_slice_fill_with(boundary.len() + near.len(), member);
         let before = world.arena.alloc_slice_fill_with(layer.len(), |k| columns.pressure[layer[k] as usize]);
-        columns.clear();
+        let (order, mut set) = std::mem::take(&mut self.set);
+        columns.clear((order == world.neighbours.builds()).then_some(&set[..]));
         for (k, &i) in self.boundary.iter().enumerate() {
             let Found { curvature, tangent, offset } = self.found[k];
             let bump = if curvature == 0.0 { 0.0 } else { self.found[k].bump(size(i)) };
@@ -175,8 +183,7 @@ impl CurvatureColour {
         for &i in &self.near_boundary {
             columns.set(i, &self.beside([r[i as usize], z[i as usize]]));
         }
-        let mut rate = world.store.write(self.rate);
-        clear(&mut rate[..]);
+        let mut rate = columns.rate;
         for (&i, &before) in layer.iter().zip(&*before) {
             let now = columns.pressure[i as usize];
             // Where a particle lost the surface or has just found it there is no rate.
@@ -185,6 +192,9 @@ impl CurvatureColour {
                 rate[i as usize] = ((now - before) / elapsed).clamp(-most, most);
             }
         }
+        set.clear();
+        set.extend_from_slice(layer);
+        self.set = (world.neighbours.builds(), set);
     }
 
     /// Largest rate of the Laplace pressure (Pa/s) at a particle of the given size (m).
@@ -269,18 +279,23 @@ struct AtSurface {
     offset: [f64; 2],
 }
 
-/// What the stage writes besides the rate.
+/// What the stage writes.
 struct Columns<'a> {
     pressure: AtomicRefMut<'a, [f64]>,
+    rate: AtomicRefMut<'a, [f64]>,
     slope: Option<[AtomicRefMut<'a, [f64]>; 2]>,
     tangent: Option<[AtomicRefMut<'a, [f64]>; 2]>,
     offset: [AtomicRefMut<'a, [f64]>; 2],
 }
 
 impl Columns<'_> {
-    fn clear(&mut self) {
+    /// Sets to zero what is set, if it is known where that is.
+    fn clear(&mut self, set: Option<&[u32]>) {
         let others = self.slope.iter_mut().chain(&mut self.tangent).flatten().chain(&mut self.offset);
-        others.chain([&mut self.pressure]).for_each(|column| clear(&mut column[..]));
+        others.chain([&mut self.pressure, &mut self.rate]).for_each(|column| match set {
+            Some(set) => set.iter().for_each(|&i| column[i as usize] = 0.0),
+            None => clear(&mut column[..]),
+        });
     }
 
     fn set(&mut self, particle: u32, here: &AtSurface) {
@@ -309,7 +324,7 @@ impl Stage for CurvatureColour {
 
     fn bytes(&self) -> usize {
         let numbers = bytes_of(&self.boundary) + bytes_of(&self.near_boundary);
-        numbers + bytes_of(&self.found) + bytes_of(&self.slopes) + self.neighbours.bytes()
+        numbers + bytes_of(&self.set.1) + bytes_of(&self.found) + bytes_of(&self.slopes) + self.neighbours.bytes()
     }
 
     fn run(&mut self, world: &mut World) -> Result<(), Fault> {

@@ -110,7 +110,8 @@ pub struct State<E> {
     unit: f64,
     size: Write<f64>,
     pressure: Write<f64>,
-    sound_speed: Write<f64>,
+    /// None where it is constant.
+    sound_speed: Option<Write<f64>>,
     when: When,
     /// From the rates of deformation to the time of the rows, s.
     elapsed: f64,
@@ -126,6 +127,7 @@ impl<E: EquationOfState> State<E> {
         precision: Precision,
     ) -> Self {
         wiring.stage(When::Anew.name());
+        let is_constant = equation.constant_sound_speed().is_some();
         State {
             equation,
             packing,
@@ -140,7 +142,7 @@ impl<E: EquationOfState> State<E> {
             unit: packing.unit(precision),
             size: wiring.write(&fields::SIZE),
             pressure: wiring.write(&fields::PRESSURE),
-            sound_speed: wiring.write(&fields::SOUND_SPEED),
+            sound_speed: (!is_constant).then(|| wiring.write(&fields::SOUND_SPEED)),
             when: When::Anew,
             elapsed: 0.0,
         }
@@ -160,7 +162,7 @@ impl<E: EquationOfState> State<E> {
         let reference = chunk.read(self.reference_pressure);
         let energy = self.energy.map(|field| chunk.read(field));
         let (mut sizes, mut pressures) = (chunk.write(self.size), chunk.write(self.pressure));
-        let mut sound_speeds = chunk.write(self.sound_speed);
+        let mut sound_speeds = self.sound_speed.map(|field| chunk.write(field));
         let mut rows = chunk.rows();
         let mut growth = Lanes::ZERO;
         let largest = Lanes::splat(self.packing.largest_size);
@@ -186,7 +188,9 @@ impl<E: EquationOfState> State<E> {
                 std::array::from_fn(|i| self.equation.sound_speed(density[i], internal(i)));
             sizes[range.clone()].copy_from_slice(&size[..rows.len()]);
             pressures[range.clone()].copy_from_slice(&pressure[..rows.len()]);
-            sound_speeds[range.clone()].copy_from_slice(&sound_speed[..rows.len()]);
+            if let Some(sound_speeds) = &mut sound_speeds {
+                sound_speeds[range.clone()].copy_from_slice(&sound_speed[..rows.len()]);
+            }
             let flow = Flow {
                 r,
                 z,

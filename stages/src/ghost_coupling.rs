@@ -1,6 +1,7 @@
 //! Ghost coupling: every surface particle meets one ghost that holds the Laplace pressure.
 
 use crate::fields;
+use crate::sound_speed::SoundSpeed;
 use crate::surface::{for_surface, length};
 use crate::surface_interval::COMPUTED;
 use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
@@ -10,24 +11,18 @@ use meniscus_engine::wiring::Wiring;
 /// Impedance of a ghost relative to its particle's: nearly vacuum (method.md, section 8).
 const IMPEDANCE_RATIO: f64 = 1e-6;
 
-/// Surface tension's part of the coupling.
-struct Tension {
-    pressure: Read<f64>,
-    rate: Read<f64>,
-}
-
 /// The stage: d eps += 2 (U* - U_a . e)|bw| and the surface force -2 P* bw, with e = bw/|bw|,
-/// U_g = U_a and P_g = P_external + P_L and with the
+/// U_g = U_a and P_g = P_L, and with the
 /// energy equation rho dE += -2 P* U*|bw| (equations (24) to (26); method.md, section 8).
 pub struct GhostCoupling {
-    external_pressure: f64,
-    tension: Option<Tension>,
+    laplace: Read<f64>,
+    laplace_rate: Read<f64>,
     surface: Read<u32>,
     weight: [Read<f64>; 2],
     pressure: Read<f64>,
     reference_pressure: Read<f64>,
     density: Read<f64>,
-    sound_speed: Read<f64>,
+    sound_speed: SoundSpeed,
     strain_rate: Add<f64>,
     force: [Write<f64>; 2],
     work: Option<Work>,
@@ -40,22 +35,19 @@ struct Work {
 }
 
 impl GhostCoupling {
-    /// Ghosts hold the external pressure in Pa, and the Laplace pressure where there is surface tension.
-    pub fn new(wiring: &mut Wiring, external_pressure: f64, with_tension: bool, with_energy: bool) -> Self {
+    /// Ghosts hold the Laplace pressure; `constant_sound_speed` is the liquid's in m/s, if it has one.
+    pub fn new(wiring: &mut Wiring, constant_sound_speed: Option<f64>, with_energy: bool) -> Self {
         wiring.stage("ghost-coupling");
         let force = [&fields::SURFACE_FORCE_R, &fields::SURFACE_FORCE_Z];
         GhostCoupling {
-            external_pressure,
-            tension: with_tension.then(|| Tension {
-                pressure: wiring.read(&fields::LAPLACE_PRESSURE),
-                rate: wiring.read(&fields::LAPLACE_PRESSURE_RATE),
-            }),
+            laplace: wiring.read(&fields::LAPLACE_PRESSURE),
+            laplace_rate: wiring.read(&fields::LAPLACE_PRESSURE_RATE),
             surface: wiring.read(&fields::SURFACE),
             weight: [wiring.read(&fields::GHOST_WEIGHT_R), wiring.read(&fields::GHOST_WEIGHT_Z)],
             pressure: wiring.read(&fields::PRESSURE),
             reference_pressure: wiring.read(&fields::REFERENCE_PRESSURE),
             density: wiring.read(&fields::DENSITY),
-            sound_speed: wiring.read(&fields::SOUND_SPEED),
+            sound_speed: SoundSpeed::new(wiring, constant_sound_speed),
             strain_rate: wiring.add(&fields::STRAIN_RATE),
             force: force.map(|field| wiring.write(field)),
             work: with_energy.then(|| Work {
@@ -74,8 +66,8 @@ impl ChunkStage for GhostCoupling {
     fn chunk(&self, around: &Around, chunk: &Chunk) -> Partial {
         let [weight_r, weight_z] = self.weight.map(|field| chunk.read(field));
         let (pressure, reference) = (chunk.read(self.pressure), chunk.read(self.reference_pressure));
-        let (density, sound_speed) = (chunk.read(self.density), chunk.read(self.sound_speed));
-        let tension = self.tension.as_ref().map(|t| (chunk.read(t.pressure), chunk.read(t.rate)));
+        let (density, sound_speed) = (chunk.read(self.density), self.sound_speed.of(chunk));
+        let (laplace, laplace_rate) = (chunk.read(self.laplace), chunk.read(self.laplace_rate));
         // Between two computations of the curvature its pressure is carried on at the last rate:
         // a lag would feed the oscillation (method.md, section 10).
         let elapsed = around.clock.time - around.clock.mark(COMPUTED);
@@ -85,9 +77,8 @@ impl ChunkStage for GhostCoupling {
         let mut power = self.work.as_ref().map(|work| chunk.write(work.power));
 
         for_surface(&chunk.read(self.surface), |i| {
-            let laplace = tension.as_ref().map_or(0.0, |(pressure, rate)| pressure[i] + elapsed * rate[i]);
-            let ghost_pressure = self.external_pressure + laplace - reference[i];
-            let impedance = density[i] * sound_speed[i];
+            let ghost_pressure = laplace[i] + elapsed * laplace_rate[i] - reference[i];
+            let impedance = density[i] * sound_speed.at(i);
             let ghost_impedance = IMPEDANCE_RATIO * impedance;
             let both = impedance + ghost_impedance;
             let star = (ghost_pressure * impedance + pressure[i] * ghost_impedance) / both;

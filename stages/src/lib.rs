@@ -27,6 +27,7 @@ pub mod reference_pressure;
 pub mod rows;
 pub mod shifting;
 pub mod sort_bin;
+pub mod sound_speed;
 pub mod surface;
 pub mod surface_corrections;
 pub mod surface_interval;

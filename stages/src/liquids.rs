@@ -8,6 +8,10 @@ pub trait EquationOfState: Copy + Send + Sync + 'static {
     fn pressure(&self, density: f64, energy: f64) -> f64;
     /// Speed of sound in m/s at a density in kg/m3 and a specific internal energy in J/kg.
     fn sound_speed(&self, density: f64, energy: f64) -> f64;
+    /// The speed of sound in m/s if it is the same whatever the state.
+    fn constant_sound_speed(&self) -> Option<f64> {
+        None
+    }
     /// s of D = C + s u, by which a shock of speed D outruns sound where it sets the liquid before it in
     /// motion with the speed u; zero for a liquid whose flow has no shocks.
     fn shock_slope(&self) -> f64;
@@ -31,6 +35,10 @@ impl EquationOfState for Linear {
 
     fn sound_speed(&self, _: f64, _: f64) -> f64 {
         self.sound_speed
+    }
+
+    fn constant_sound_speed(&self) -> Option<f64> {
+        Some(self.sound_speed)
     }
 
     fn shock_slope(&self) -> f64 {

@@ -2,6 +2,7 @@
 
 use crate::bad_state::BadState;
 use crate::fields;
+use crate::sound_speed::SoundSpeed;
 use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
 use meniscus_engine::lanes::{Lanes, WIDTH};
 use meniscus_engine::pipeline::{Fault, World};
@@ -34,12 +35,12 @@ pub struct TimeStep {
     radius: Read<f64>,
     strain_rate: Read<f64>,
     size: Read<f64>,
-    sound_speed: Read<f64>,
+    sound_speed: SoundSpeed,
 }
 
 impl TimeStep {
     /// States the acoustic bound. It must follow all that changes the strain rate or states a bound.
-    pub fn new(wiring: &mut Wiring, courant: Courant) -> Self {
+    pub fn new(wiring: &mut Wiring, courant: Courant, constant_sound_speed: Option<f64>) -> Self {
         wiring.stage("time-step");
         TimeStep {
             courant,
@@ -47,7 +48,7 @@ impl TimeStep {
             radius: wiring.read(&fields::RADIUS),
             strain_rate: wiring.read(&fields::STRAIN_RATE),
             size: wiring.read(&fields::SIZE),
-            sound_speed: wiring.read(&fields::SOUND_SPEED),
+            sound_speed: SoundSpeed::new(wiring, constant_sound_speed),
         }
     }
 }
@@ -62,7 +63,7 @@ impl ChunkStage for TimeStep {
     /// (C dt/R)^2/4 a step, which the pressure diffusion of the contacts must outweigh. (The innermost rings of
     /// a regular packing lie at .43 D.) Here the largest (CFL/dt)^2.
     fn chunk(&self, _: &Around, chunk: &Chunk) -> Partial {
-        let (size, sound_speed) = (chunk.read(self.size), chunk.read(self.sound_speed));
+        let (size, sound_speed) = (chunk.read(self.size), self.sound_speed.of(chunk));
         let (strain_rate, r) = (chunk.read(self.strain_rate), chunk.read(self.radius));
         let origin = Lanes::splat(self.courant.origin);
         let (mut largest, mut all) = (Lanes::ZERO, Lanes::ZERO);
@@ -78,7 +79,7 @@ impl ChunkStage for TimeStep {
                 size * near * near
             };
             let strain = Lanes::splat(4.0) * length * load(&strain_rate, 0.0);
-            let sound_speed = load(&sound_speed, 0.0);
+            let sound_speed = sound_speed.of(eight.clone());
             let rate = sound_speed.mul_add(sound_speed, strain * strain) / (length * length);
             largest = largest.max(rate);
             all += rate;

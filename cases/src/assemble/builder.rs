@@ -178,8 +178,8 @@ impl Builder<'_> {
         }
         let reasons = ("ghosts bring the Laplace pressure to the surface", "there is no surface tension");
         if self.plan("ghost-coupling", self.with_tension(), reasons) {
-            let with_energy = self.with_energy();
-            stages.push(AnyStage::chunks(GhostCoupling::new(&mut self.wiring, 0.0, true, with_energy)));
+            let (sound_speed, with_energy) = (self.constant_sound_speed(), self.with_energy());
+            stages.push(AnyStage::chunks(GhostCoupling::new(&mut self.wiring, sound_speed, with_energy)));
         }
         let reasons = ("ghosts carry no gradient along the surface", "not asked for, or no colour field");
         if self.plan("tangential-pressure", self.with_slope(), reasons) {
@@ -280,6 +280,10 @@ impl Builder<'_> {
         AnyStage::whole(CurvatureColour::new(&mut self.wiring, self.packing, settings, colour))
     }
 
+    fn constant_sound_speed(&self) -> Option<f64> {
+        self.physics.equation.constant_sound_speed()
+    }
+
     fn time_step(&mut self) -> AnyStage {
         let courant = Courant {
             number: self.physics.method.cfl,
@@ -287,7 +291,8 @@ impl Builder<'_> {
             particle_size: self.physics.particle_size,
             origin: self.physics.domain.origin,
         };
-        AnyStage::chunks(TimeStep::new(&mut self.wiring, courant))
+        let sound_speed = self.constant_sound_speed();
+        AnyStage::chunks(TimeStep::new(&mut self.wiring, courant, sound_speed))
     }
 
     fn integrate(&mut self) -> AnyStage {
