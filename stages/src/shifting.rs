@@ -3,7 +3,7 @@
 use crate::fields;
 use crate::integrate::CLOSED;
 use crate::moment::Moment;
-use crate::surface::{BOUNDARY, INSIDE, NEAR_BOUNDARY};
+use crate::surface::BOUNDARY;
 use meniscus_engine::field::Field;
 use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
 use meniscus_engine::lanes::{Lanes, WIDTH};
@@ -43,16 +43,17 @@ pub struct Strength {
     pub everywhere: bool,
 }
 
-/// dr = -coefficient u dt H grad C, at most 0.01 D; without the normal component at the boundary and
-/// without its outward part near it (method.md, sections 10 and 12). u is H times what the particle's rate of
+/// dr = -coefficient u dt H grad C, at most 0.01 D; without the normal component at the boundary (method.md, sections
+/// 10 and 12). Near the boundary section 10 leaves the outward part out, too. But where the packing is uneven particles
+/// shift to and fro there, and if the inward shifts alone are let through, they draw the surface in and the pressure
+/// pushes it out again: half of what a drop that swings far loses, and of what fast collisions gain. u is H times what the particle's rate of
 /// deformation exceeds a gentle flow's by (the greatest speed where the scene computes none). Off the
 /// boundary a particle shifts only where the packing has become uneven or a ring closes on the axis. So a
 /// drop that swings gently keeps its packing, and with it its frequency, which shifting everywhere would
 /// lower, and a drop at rest stays at rest.
 ///
 /// A flow without surface tension has no such frequency, and keeps its shape better if all particles shift all
-/// the time with the greatest speed, also outwards from below the surface: of shifts to and fro the surface would
-/// let through the inward ones alone, and the liquid would shrink.
+/// the time with the greatest speed.
 pub struct Shifting {
     strength: Strength,
     size: Read<f64>,
@@ -148,16 +149,15 @@ fn ramp(value: f64, [from, to]: [f64; 2]) -> f64 {
     ((value - from) / (to - from)).clamp(0.0, 1.0)
 }
 
-/// What is left of a shift at or near the surface, given the outward direction.
-fn along_surface(shift: [f64; 2], outward: [f64; 2], surface: u32) -> [f64; 2] {
+/// What is left of a shift at the boundary, given the outward direction.
+fn along_surface(shift: [f64; 2], outward: [f64; 2]) -> [f64; 2] {
     let length = (outward[0] * outward[0] + outward[1] * outward[1]).sqrt();
-    if surface == INSIDE || length == 0.0 {
+    if length == 0.0 {
         return shift;
     }
     let normal = [outward[0] / length, outward[1] / length];
     let out = shift[0] * normal[0] + shift[1] * normal[1];
-    let removed = if surface == BOUNDARY { out } else { out.max(0.0) };
-    [shift[0] - removed * normal[0], shift[1] - removed * normal[1]]
+    [shift[0] - out * normal[0], shift[1] - out * normal[1]]
 }
 
 /// What decides on the shifts of a chunk.
@@ -209,7 +209,7 @@ impl Shifting {
         k: usize,
         (radius, needed): (f64, f64),
     ) -> [f64; 2] {
-        let Strength { coefficient, speed, rate, theta, everywhere, .. } = self.strength;
+        let Strength { coefficient, speed, rate, theta, .. } = self.strength;
         let size = neighbourhoods.size[k];
         let support = 4.0 * theta * size;
         let speed = match &columns.deformation {
@@ -222,10 +222,9 @@ impl Shifting {
         let factor = needed * coefficient * speed * columns.step_size * support;
         let [crowding_r, crowding_z] = &columns.crowding;
         let shift = [-factor * crowding_r[k], -factor * crowding_z[k]];
-        let surface = neighbourhoods.surface[k];
         let outward = [columns.weight[0][k], columns.weight[1][k]];
-        let outwards = everywhere && surface == NEAR_BOUNDARY;
-        let shift = if outwards { shift } else { along_surface(shift, outward, surface) };
+        let at_boundary = neighbourhoods.surface[k] == BOUNDARY;
+        let shift = if at_boundary { along_surface(shift, outward) } else { shift };
         let length = (shift[0] * shift[0] + shift[1] * shift[1]).sqrt();
         let keep = if length > CAP * size { CAP * size / length } else { 1.0 };
         // A shift must not carry a particle to the axis.
