@@ -1,5 +1,7 @@
 //! The half plane in which particles lie: its axis and its period, and the images of particles across them.
 
+use arrayvec::ArrayVec;
+
 /// Where the half plane ends or repeats.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Domain {
@@ -25,23 +27,31 @@ impl Domain {
     pub fn images(&self, r: &[f64], z: &[f64], reach: f64, images: &mut Vec<Image>) {
         images.clear();
         for (source, (&r, &z)) in r.iter().zip(z).enumerate() {
-            let source = source as u32;
-            let near_axis = r + self.origin < reach;
-            if near_axis {
-                images.push(Image { source, mirrored: true, shift: 0.0 });
-            }
-            let Some((bottom, length)) = self.period else {
-                continue;
-            };
+            images.extend(
+                self.images_of(r, z, reach).into_iter().map(|image| Image { source: source as u32, ..image }),
+            );
+        }
+    }
+
+    /// The images of a particle, the zeroth one, that can lie within `reach` metres of another particle.
+    pub fn images_of(&self, r: f64, z: f64, reach: f64) -> ArrayVec<Image, 5> {
+        let mut images = ArrayVec::new();
+        let near_axis = r + self.origin < reach;
+        let mut add = |mirrored, shift| images.push(Image { source: 0, mirrored, shift });
+        if near_axis {
+            add(true, 0.0);
+        }
+        if let Some((bottom, length)) = self.period {
             for (near, shift) in [(z - bottom < reach, length), (bottom + length - z < reach, -length)] {
                 if near {
-                    images.push(Image { source, mirrored: false, shift });
+                    add(false, shift);
                     if near_axis {
-                        images.push(Image { source, mirrored: true, shift });
+                        add(true, shift);
                     }
                 }
             }
         }
+        images
     }
 
     /// Radial coordinate of a particle's mirror image.

@@ -201,6 +201,12 @@ impl NeighbourList {
         entries.iter().map(move |entry| entry[particle % WIDTH] as usize)
     }
 
+    /// Calls `visit` with numbers of particles and listed images that together are all that lay within `reach` metres of
+    /// (r, z) when the list was built, and some more.
+    pub fn near(&self, r: f64, z: f64, reach: f64, mut visit: impl FnMut(&[u32])) {
+        self.bins.near(r, z, reach, |range| visit(&self.bins.members()[range]));
+    }
+
     /// The particle behind a number that may be an image's.
     #[inline]
     pub fn source(&self, number: usize) -> usize {

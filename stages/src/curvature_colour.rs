@@ -324,7 +324,11 @@ impl Stage for CurvatureColour {
 
     fn bytes(&self) -> usize {
         let numbers = bytes_of(&self.boundary) + bytes_of(&self.near_boundary);
-        numbers + bytes_of(&self.set.1) + bytes_of(&self.found) + bytes_of(&self.slopes) + self.neighbours.bytes()
+        numbers
+            + bytes_of(&self.set.1)
+            + bytes_of(&self.found)
+            + bytes_of(&self.slopes)
+            + self.neighbours.bytes()
     }
 
     fn run(&mut self, world: &mut World) -> Result<(), Fault> {

@@ -95,6 +95,13 @@ pub static TENSION_LACK_Z: Real = Field::state(
     "Pa",
     "What surface forces lack of the tension's pull, over the length of the ghost's area, axial component.",
 );
+/// What the particles around leave empty.
+pub static EMPTINESS: Real = Field::state(
+    "emptiness",
+    "1 - c",
+    "1",
+    "Part of the room around a particle that the particles there leave empty, when it was last looked at.",
+);
 /// Gradient of the Laplace pressure along the surface, radial component.
 pub static LAPLACE_SLOPE_R: Real = Field::state(
     "laplace_slope_r",

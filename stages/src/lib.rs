@@ -39,3 +39,4 @@ pub mod terms;
 pub mod time_step;
 pub mod velocity_gradient;
 pub mod viscosity;
+pub mod void_closing;

@@ -43,14 +43,16 @@ pub struct Strength {
     pub everywhere: bool,
 }
 
-/// dr = -coefficient u dt H grad C, at most 0.01 D; without the normal component at the boundary (method.md, sections
-/// 10 and 12). Near the boundary section 10 leaves the outward part out, too. But where the packing is uneven particles
-/// shift to and fro there, and if the inward shifts alone are let through, they draw the surface in and the pressure
-/// pushes it out again: half of what a drop that swings far loses, and of what fast collisions gain. u is H times what the particle's rate of
+/// dr = -coefficient u dt H grad C, at most 0.01 D; without the normal component at the boundary (method.md,
+/// sections 10 and 12). u is H times what the particle's rate of
 /// deformation exceeds a gentle flow's by (the greatest speed where the scene computes none). Off the
 /// boundary a particle shifts only where the packing has become uneven or a ring closes on the axis. So a
 /// drop that swings gently keeps its packing, and with it its frequency, which shifting everywhere would
 /// lower, and a drop at rest stays at rest.
+///
+/// Near the boundary section 10 leaves the outward part out, too. But particles shift to and fro there, and if the
+/// inward shifts alone are let through, they draw the surface in and the pressure pushes it out again: drops that
+/// swing far lost more by that, and fast collisions gained twice as much.
 ///
 /// A flow without surface tension has no such frequency, and keeps its shape better if all particles shift all
 /// the time with the greatest speed.

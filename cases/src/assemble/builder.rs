@@ -28,6 +28,7 @@ use meniscus_stages::tension_balance::TensionBalance;
 use meniscus_stages::time_step::{Courant, TimeStep};
 use meniscus_stages::velocity_gradient::VelocityGradient;
 use meniscus_stages::viscosity::Viscosity;
+use meniscus_stages::void_closing::VoidClosing;
 use std::sync::{Arc, Mutex};
 
 pub(super) type Stages = Vec<AnyStage>;
@@ -194,6 +195,12 @@ impl Builder<'_> {
         let reasons = ("the pair sum of the strain is short at the surface", "not asked for, or no tension");
         if self.plan("strain-correction", self.corrects_strain(), reasons) {
             stages.push(AnyStage::chunks(StrainCorrection::new(&mut self.wiring)));
+        }
+        let reasons =
+            ("gaps that open between particles are no liquid", "no surface tension, or no colour field");
+        if self.plan("void-closing", self.colour_curvature(), reasons) {
+            let rate = self.physics.capillary_rate;
+            stages.push(AnyStage::chunks(VoidClosing::new(&mut self.wiring, self.packing, rate)));
         }
     }
 
