@@ -140,7 +140,13 @@ mod tests {
                 "laplace_pressure",
             ),
             (
-                &["tension-balance", "tangential-pressure", "strain-correction", "reference-pressure"],
+                &[
+                    "tension-balance",
+                    "tangential-pressure",
+                    "strain-correction",
+                    "void-closing",
+                    "reference-pressure",
+                ],
                 "laplace_slope_r",
             ),
             (&["shifting"], "crowding_r"),
