@@ -1,6 +1,6 @@
 //! The columns that a scene's measures are made from.
 
-use super::{film, flow, jet, large, neck, observe::Quantity, spread};
+use super::{bridge, film, flow, jet, large, observe::Quantity, spread, thread};
 use crate::scene::Measure;
 
 /// The name of the `index`-th of several equal ones: the first one stays plain.
@@ -32,8 +32,8 @@ fn names(measure: &Measure) -> &'static [(&'static str, &'static str)] {
         Measure::MomentumDrift | Measure::EnergyDrift | Measure::EnergyGain => &[],
         Measure::LargeOscillation { .. } => &large::COLUMNS,
         Measure::Spread { .. } => &spread::COLUMNS,
-        Measure::Coalescence { .. } => &neck::BRIDGE,
-        Measure::PinchOff { .. } => &neck::THREAD,
+        Measure::Coalescence { .. } => &bridge::COLUMNS,
+        Measure::PinchOff { .. } => &thread::COLUMNS,
         Measure::SemiAxis { .. } => &flow::SEMI_AXES,
         Measure::PlateauDensity { .. } => &flow::PLATEAU,
         Measure::ShockSpeed { .. } => &flow::SHOCK,

@@ -6,7 +6,7 @@ use super::fit::{self, Oscillation};
 use super::history::History;
 use super::spheroid::Spheroid;
 use super::viscous::Mode;
-use super::{energy, film, flow, jet, large, neck, spread};
+use super::{bridge, energy, film, flow, jet, large, spread, thread};
 use crate::scene::{Measure, Scene};
 use std::f64::consts::PI;
 
@@ -98,11 +98,12 @@ pub fn evaluate(scene: &Scene, history: &History) -> Vec<Outcome> {
                 spread::evaluate(history, &column, &scene.liquid, (radius, speed))
             }
             Measure::Coalescence { radius, other } => {
-                neck::evaluate_bridge(history, &column, &scene.liquid, [radius, other])
+                let drops = bridge::Bridge { radius, other };
+                bridge::evaluate(history, &column, &scene.liquid, drops)
             }
-            Measure::PinchOff { radius } => {
-                let sizes = [radius, scene.particle_size];
-                neck::evaluate_thread(history, &column, &scene.liquid, sizes)
+            Measure::PinchOff { radius, wavenumber, speed } => {
+                let jet = thread::Jet { radius, wavenumber, speed };
+                thread::evaluate(history, &column, &scene.liquid, (jet, scene.particle_size))
             }
             Measure::SemiAxis { radial, axial, shear, stiffness } => {
                 let start = Spheroid { radial, axial, shear, stiffness };

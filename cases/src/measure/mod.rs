@@ -1,5 +1,7 @@
 //! What a run is measured by: observations on the way, fits at the end, exact solutions to compare with.
 
+pub mod boundary_integral;
+pub mod bridge;
 mod columns;
 mod energy;
 mod evaluate;
@@ -21,6 +23,7 @@ mod spread;
 mod surface;
 #[cfg(test)]
 mod tests;
+pub mod thread;
 pub mod viscous;
 
 pub use columns::{columns_of, numbered, with_index};

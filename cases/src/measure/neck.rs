@@ -1,26 +1,9 @@
 //! The narrowest place of a surface: the bridge between drops that merge, the thread of a jet that tears.
 
-use super::energy::largest_rise;
-use super::evaluate::Outcome;
-use super::growth::slope;
-use super::history::History;
 use super::observe::Particles;
-use crate::scene::Liquid;
 
-/// Radius of the bridge between two drops.
-pub(super) const BRIDGE: [(&str, &str); 1] = [("bridge radius", "m")];
-/// Least radius of a thread.
-pub(super) const THREAD: [(&str, &str); 1] = [("thread radius", "m")];
-
-/// Radii of the bridge, over the drops' effective one, between which its growth is fitted: wider than where
-/// particles of both drops see each other at the start, still narrow beside the drops.
-const BRIDGE_RANGE: [f64; 2] = [0.25, 0.5];
-/// Least radius of a thread that is fitted, in particle sizes.
-const FINEST_THREAD: f64 = 2.0;
-/// Largest one, in radii of the jet: the law holds where the thread no longer feels the jet.
-const WIDEST_THREAD: f64 = 0.25;
-/// Starts of the growth that are tried, before the first value, from 10^-3 to 10 times the series' length.
-const STARTS: usize = 400;
+/// Values at so many times stand for an exact curve where it is fitted.
+const SAMPLES: usize = 200;
 
 /// The smallest radius of the surface between two heights z in m, 0 where there is none. Of points closer in z
 /// than a distance `near` in m the outermost counts: there may be voids inside.
@@ -41,111 +24,36 @@ fn narrowest(r: &[f64], z: &[f64], [low, high]: [f64; 2], near: f64) -> f64 {
     points.iter().map(outermost).min_by(f64::total_cmp).unwrap_or(0.0)
 }
 
-/// How a bridge grows. For small bridges inertia alone resists: r^2 grows like the time (Eggers, Lister and
-/// Stone 1999; Duchemin, Eggers and Josserand 2003), r = C (sigma R/rho)^(1/4) t^(1/2) where drops of radii
-/// R_1 and R_2 part like those of R = 2 R_1 R_2/(R_1 + R_2).
-pub(super) fn evaluate_bridge(
-    history: &History,
-    column: &str,
-    liquid: &Liquid,
-    [one, other]: [f64; 2],
-) -> Vec<Outcome> {
-    let radius = 2.0 * one * other / (one + other);
-    let (times, values) = (history.of("time"), history.of(column));
-    let end = values.iter().position(|value| *value > BRIDGE_RANGE[1] * radius).unwrap_or(values.len());
-    let wide = values[..end].iter().rposition(|value| *value < BRIDGE_RANGE[0] * radius);
-    let start = wide.map_or(0, |last| last + 1);
-    // A bridge that is wider than the range from the start tells of the particles' size, not of its growth.
-    let (times, fitted) =
-        if start > 0 { (&times[start..end], &values[start..end]) } else { (&[][..], &[][..]) };
-    let exponent = growth_exponent(times, fitted);
-    let squares: Vec<f64> = fitted.iter().map(|value| value * value).collect();
-    let rate = exponent.and_then(|_| slope(times, &squares));
-    let unit = (liquid.surface_tension * radius / liquid.density).sqrt();
-    // While the bridge opens, surface only disappears.
-    let surface = history.of("surface energy");
-    let rise = surface.get(..end).and_then(largest_rise).zip(surface.first());
-    let mut outcomes = vec![
-        Outcome::of("bridge-exponent".to_owned(), exponent, "1").against(0.5),
-        Outcome::of("surface-rise".to_owned(), rise.map(|(rise, start)| rise / start), "1").against(0.0),
-        Outcome::of("bridge-prefactor".to_owned(), rate.map(|rate| (rate / unit).max(0.0).sqrt()), "1"),
-    ];
-    if exponent.is_none() {
-        let range =
-            "the bridge is not seen to grow from a quarter to half of the drops' radius; use finer particles";
-        outcomes[0].doubt = Some(format!("there is no `bridge-exponent`: {range}"));
-    }
-    outcomes
+/// The same curve (times, values) at equal steps in time, like that of a run, so that a fit to both weighs alike: the part
+/// between the first crossings of two values, `from` and then `to`. `None` if it does not come that far.
+pub(super) fn evenly([times, values]: &[Vec<f64>; 2], from: f64, to: f64) -> Option<[Vec<f64>; 2]> {
+    let [start, end] = [from, to].map(|value| crossing(times, values, value));
+    let (start, end) = (start?, end?);
+    let time = |k: usize| start + (end - start) * k as f64 / SAMPLES as f64;
+    let even: Vec<f64> = (0..=SAMPLES).map(time).collect();
+    let values = even.iter().map(|time| at(times, values, *time)).collect();
+    Some([even, values])
 }
 
-/// p of values a (t - t_0)^p at times t, by least squares of the logarithms with the best t_0; `None` for fewer
-/// than 8 values.
-pub(super) fn growth_exponent(times: &[f64], values: &[f64]) -> Option<f64> {
-    let [first, .., last] = times else { return None };
-    if times.len() < 8 || values.iter().any(|value| *value <= 0.0) {
-        return None;
-    }
-    let logarithms: Vec<f64> = values.iter().map(|value| value.ln()).collect();
-    let fit = |k: usize| {
-        let before = (last - first) * 10f64.powf(4.0 * k as f64 / STARTS as f64 - 3.0);
-        let places: Vec<f64> = times.iter().map(|t| (t - first + before).ln()).collect();
-        let exponent = slope(&places, &logarithms)?;
-        let rests = places.iter().zip(&logarithms).map(|(x, y)| y - exponent * x);
-        let (sum, squares) =
-            rests.fold((0.0, 0.0), |(sum, squares), rest| (sum + rest, squares + rest * rest));
-        Some((squares - sum * sum / times.len() as f64, exponent))
-    };
-    let best = (0..=STARTS).filter_map(fit).min_by(|one, other| one.0.total_cmp(&other.0));
-    best.map(|(_, exponent)| exponent)
+/// When values at ever later times first reach one that lies on the way from the first on.
+pub(super) fn crossing(times: &[f64], values: &[f64], value: f64) -> Option<f64> {
+    let rising = values.first()? < &value;
+    let after = values.iter().position(|v| (*v >= value) == rising)?;
+    let before = after.checked_sub(1)?;
+    let part = (value - values[before]) / (values[after] - values[before]);
+    Some(times[before] + part * (times[after] - times[before]))
 }
 
-/// How a thread tears: h = c (sigma (t_0 - t)^2/rho)^(1/3), c = .7 (Day, Hinch and Lister 1998). The slope of
-/// h^(3/2) gives c without t_0.
-pub(super) fn evaluate_thread(
-    history: &History,
-    column: &str,
-    liquid: &Liquid,
-    [radius, particle_size]: [f64; 2],
-) -> Vec<Outcome> {
-    let (times, values) = (history.of("time"), history.of(column));
-    let end = values.iter().position(|value| *value < FINEST_THREAD * particle_size);
-    let end_or_all = end.unwrap_or(values.len());
-    let wide = values[..end_or_all].iter().rposition(|value| *value > WIDEST_THREAD * radius);
-    let start = wide.map_or(0, |last| last + 1);
-    let powers: Vec<f64> = values[start..end_or_all].iter().map(|value| value.powf(1.5)).collect();
-    let torn = end.is_some() && powers.len() >= 8;
-    let rate = torn.then(|| slope(&times[start..end_or_all], &powers)).flatten();
-    let unit = (liquid.surface_tension / liquid.density).sqrt();
-    let prefactor = rate.map(|rate| (-rate / unit).max(0.0).powf(2.0 / 3.0));
-    let mut outcome = Outcome::of("pinch-off-prefactor".to_owned(), prefactor, "1").against(0.7);
-    if !torn {
-        let least = "the run ends before the jet tears, or it is observed fewer than 8 times on its way";
-        outcome.doubt = Some(format!("there is no `pinch-off-prefactor`: {least}"));
-    }
-    vec![outcome]
+/// The straight line between values at ever later times.
+fn at(times: &[f64], values: &[f64], time: f64) -> f64 {
+    let after = times.partition_point(|before| *before <= time).clamp(1, times.len() - 1);
+    let part = (time - times[after - 1]) / (times[after] - times[after - 1]);
+    values[after - 1] + part * (values[after] - values[after - 1])
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measure::Quantity;
-    use crate::scene::EquationOfState;
-
-    const WATER: Liquid = Liquid {
-        density: 1000.0,
-        surface_tension: 0.074,
-        viscosity: 0.0,
-        sound_speed: None,
-        equation_of_state: EquationOfState::Linear,
-    };
-
-    /// Time, radius and energy of the surface.
-    fn history(rows: impl Iterator<Item = [f64; 3]>) -> History {
-        let quantity = |name: &str| Quantity { name: name.to_owned(), unit: "1" };
-        let mut history = History::new(["time", "radius", "surface energy"].map(quantity).to_vec());
-        rows.for_each(|row| history.push(row.to_vec()));
-        history
-    }
 
     /// A waist of radius 1 + z^2 with a void in it.
     #[test]
@@ -162,44 +70,14 @@ mod tests {
     }
 
     #[test]
-    fn the_growth_of_a_bridge_is_recovered() {
-        for exponent in [0.4, 0.5, 0.6, 1.0] {
-            let times: Vec<f64> = (0..200).map(|k| 1e-9 * f64::from(k)).collect();
-            let values: Vec<f64> = times.iter().map(|t| 3.0 * (t + 7e-9f64).powf(exponent)).collect();
-            let found = growth_exponent(&times, &values).unwrap();
-            assert!((found - exponent).abs() < 0.01, "{exponent}: {found}");
-        }
-        assert!(growth_exponent(&[0.0; 3], &[1.0; 3]).is_none());
-        let (one, other) = (1e-6, 0.5e-6);
-        let rate = 1.3f64.powi(2) * (0.074 * 2.0 / 3.0 * 1e-6 / 1000.0f64).sqrt();
-        // The bridge is as wide as the range at row 77; later surface may come back.
-        let surface = |k: i32| match k {
-            ..20 => 2.0,
-            20..40 => 1.0,
-            40..77 => 1.1,
-            _ => 9.0,
-        };
-        let row = |k: i32| {
-            let time = 1e-10 * f64::from(k);
-            [time, (2e-14 + rate * time).sqrt(), surface(k)]
-        };
-        let outcomes = evaluate_bridge(&history((0..400).map(row)), "radius", &WATER, [one, other]);
-        assert!((outcomes[0].value - 0.5).abs() < 0.005, "{outcomes:?}");
-        assert!((outcomes[1].value - 0.05).abs() < 1e-12, "{outcomes:?}");
-        assert!((outcomes[2].value - 1.3).abs() < 1e-6, "{outcomes:?}");
-        let coarse = evaluate_bridge(&history((20..400).map(row)), "radius", &WATER, [one, other]);
-        assert!(coarse[0].value.is_nan() && coarse[0].doubt.as_ref().unwrap().contains("finer particles"));
-    }
-
-    #[test]
-    fn the_tear_of_a_thread_is_recovered() {
-        let tear = 1e-7;
-        let thread = |t: f64| 0.65 * (0.074 / 1000.0 * (tear - t).powi(2)).cbrt();
-        let rows = (0..1000).map(|k| 1e-10 * f64::from(k)).map(|t| [t, thread(t), 1.0]);
-        let outcomes = evaluate_thread(&history(rows), "radius", &WATER, [1e-6, 2e-8]);
-        assert!((outcomes[0].value - 0.65).abs() < 1e-9, "{outcomes:?}");
-        let short = (0..300).map(|k| 1e-10 * f64::from(k)).map(|t| [t, thread(t), 1.0]);
-        let outcomes = evaluate_thread(&history(short), "radius", &WATER, [1e-6, 2e-8]);
-        assert!(outcomes[0].value.is_nan() && outcomes[0].doubt.as_ref().unwrap().contains("before the jet"));
+    fn a_curve_is_cut_where_it_crosses() {
+        let times: Vec<f64> = (0..50).map(|k| 0.01 * f64::from(k) * f64::from(k)).collect();
+        let falling: Vec<f64> = times.iter().map(|time| 3.0 - 2.0 * time).collect();
+        let [even, values] = evenly(&[times.clone(), falling], 2.5, 1.0).unwrap();
+        assert!((even[0] - 0.25).abs() < 1e-12 && (even[SAMPLES] - 1.0).abs() < 1e-12, "{even:?}");
+        assert!(even.iter().zip(&values).all(|(time, value)| (value - 3.0 + 2.0 * time).abs() < 1e-12));
+        let rising: Vec<f64> = times.iter().map(|time| 0.1 * time).collect();
+        assert!(evenly(&[times.clone(), rising.clone()], 0.5, 9.0).is_none());
+        assert!((crossing(&times, &rising, 0.77).unwrap() - 7.7).abs() < 1e-12);
     }
 }

@@ -72,10 +72,14 @@ pub enum Measure {
         /// Radius of the other.
         other: f64,
     },
-    /// The law by which a jet tears.
+    /// How a jet of an inviscid liquid tears.
     PinchOff {
         /// Radius of the jet.
         radius: f64,
+        /// Wavenumber k of its disturbance times that.
+        wavenumber: f64,
+        /// Speed v in m/s of the disturbance v sin(k z).
+        speed: f64,
     },
     /// A spheroid that stretches and shrinks.
     SemiAxis {
@@ -116,7 +120,7 @@ const KINDS: [(&str, &[&str]); 15] = [
     ("large-oscillation", &["radial", "axial", "speed"]),
     ("spread", &["radius", "speed"]),
     ("coalescence", &["radius", "other"]),
-    ("pinch-off", &["radius"]),
+    ("pinch-off", &["radius", "wavenumber", "speed"]),
     ("semi-axis", &["radial", "axial", "shear", "stiffness"]),
     ("plateau-density", &["dimensions", "speed"]),
     ("shock-speed", &["speed", "length"]),
@@ -165,7 +169,11 @@ impl Measure {
             }
             "spread" => Measure::Spread { radius: size("radius")?, speed: positive("speed", VELOCITY)? },
             "coalescence" => Measure::Coalescence { radius: size("radius")?, other: size("other")? },
-            "pinch-off" => Measure::PinchOff { radius: size("radius")? },
+            "pinch-off" => Measure::PinchOff {
+                radius: size("radius")?,
+                wavenumber: positive("wavenumber", NUMBER)?,
+                speed: positive("speed", VELOCITY)?,
+            },
             "semi-axis" => Measure::SemiAxis {
                 radial: size("radial")?,
                 axial: size("axial")?,

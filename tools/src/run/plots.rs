@@ -1,9 +1,11 @@
 //! Plots of what was measured, against what is exact.
 
+use meniscus_cases::measure::bridge::Bridge;
 use meniscus_cases::measure::exact::Drop;
 use meniscus_cases::measure::fit::Oscillation;
 use meniscus_cases::measure::large::Start;
 use meniscus_cases::measure::spheroid::Spheroid;
+use meniscus_cases::measure::thread::Jet;
 use meniscus_cases::measure::viscous::Mode;
 use meniscus_cases::measure::{History, columns_of, numbered, oscillation_fit, with_index};
 use meniscus_cases::scene::{Measure, Scene};
@@ -84,11 +86,23 @@ pub(super) fn draw(scene: &Scene, folder: &RunFolder, history: &History) -> Resu
             Measure::Spread { .. } => {
                 ("spread", measured(history, measure, index), "radius of the disc [m]".to_owned())
             }
-            Measure::Coalescence { .. } => {
-                ("coalescence", measured(history, measure, index), "radius of the bridge [m]".to_owned())
+            Measure::Coalescence { radius, other } => {
+                let drops = Bridge { radius, other };
+                let [mut x, y] = drops.exact(&scene.liquid);
+                // The exact bridge starts narrower: both have the fitted range's smallest radius at once.
+                let column = &columns_of(measure, index)[0].name;
+                if let Some(later) = drops.delay([&times, &history.of(column)], [&x, &y]) {
+                    x.iter_mut().for_each(|time| *time += later);
+                }
+                let mut curves = vec![curve("potential flow", x, y, Style::Dashed)];
+                curves.extend(measured(history, measure, index));
+                ("coalescence", curves, "radius of the bridge [m]".to_owned())
             }
-            Measure::PinchOff { .. } => {
-                ("pinch-off", measured(history, measure, index), "radius of the thread [m]".to_owned())
+            Measure::PinchOff { radius, wavenumber, speed } => {
+                let [x, y] = Jet { radius, wavenumber, speed }.exact(&scene.liquid);
+                let mut curves = vec![curve("potential flow", x, y, Style::Dashed)];
+                curves.extend(measured(history, measure, index));
+                ("pinch-off", curves, "radius of the thread [m]".to_owned())
             }
             Measure::MomentumDrift | Measure::EnergyDrift | Measure::EnergyGain => continue,
         };
