@@ -9,10 +9,10 @@ use faer::linalg::solvers::Solve;
 /// The longest step over the power 3/2 of the shortest distance of nodes. The shortest wave on them, of two distances d, has the
 /// frequency (pi/d)^(3/2): 2.5 radians, of 2.8 where Runge and Kutta's method becomes unstable.
 const LONGEST: f64 = 0.45;
-/// So many steps the nodes move before they are spread anew.
-const EVERY: usize = 2;
-/// A flow that has not come where it should after so many steps, some times what any has needed, is given up.
+/// A flow that has not come where it should after so many steps, or with so many nodes, some times what any has needed, is
+/// given up.
 const STEPS: usize = 6000;
+const NODES: usize = 300;
 /// Hurwitz's zeta functions sum n^-3, n^-5 and n^-7 over n = 2, 3, ... and over n = 5/2, 7/2, ...
 const WHOLE: [f64; 3] = [0.202_056_903_2, 0.036_927_755_1, 0.008_349_277_4];
 const HALF: [f64; 3] = [0.118_102_025_8, 0.013_073_166_1, 0.001_830_564_8];
@@ -92,7 +92,8 @@ impl Flow {
     /// Times and radii of the narrowest place after every step, until `reached` says so of one or there is none.
     pub fn narrowest_until(mut self, reached: impl Fn(f64) -> bool) -> [Vec<f64>; 2] {
         let (mut times, mut radii) = (Vec::new(), Vec::new());
-        while let Some(radius) = self.surface.narrowest().filter(|_| self.steps < STEPS) {
+        let goes_on = |flow: &Flow| flow.steps < STEPS && flow.surface.nodes.len() < NODES;
+        while let Some(radius) = self.surface.narrowest().filter(|_| goes_on(&self)) {
             times.push(self.time);
             radii.push(radius);
             if reached(radius) {
@@ -116,12 +117,10 @@ impl Flow {
             [0, 1, 2].map(|of| (first[k][of] + 2.0 * (second[k][of] + third[k][of]) + fourth[k][of]) / 6.0)
         };
         let mean: Vec<[f64; 3]> = (0..first.len()).map(mean).collect();
-        self.surface = self.surface.moved(&mean, step);
+        // Polynomials through six nodes damp what only two of them resolve: no waves grow from node to node.
+        self.surface = self.surface.moved(&mean, step).spread(self.fineness);
         self.time += step;
         self.steps += 1;
-        if self.steps.is_multiple_of(EVERY) {
-            self.surface = self.surface.spread(self.fineness);
-        }
     }
 
     /// Nodes move with the liquid, and there Bernoulli's law holds: dphi/dt = u^2/2 - kappa.

@@ -13,7 +13,9 @@ pub enum End {
 }
 
 /// Steepest change of the nodes' distances along the curve.
-const STEEPEST: f64 = 0.2;
+const STEEPEST: f64 = 0.15;
+/// A curve that asks for more nodes than this has come to nothing: it stays as it is.
+const MOST: f64 = 500.0;
 /// Rounds of means that take kinks from the nodes' density.
 const SMOOTHINGS: usize = 4;
 
@@ -119,6 +121,9 @@ impl Surface {
         let last = self.nodes.len() - 1;
         let numbers = self.numbers(fineness);
         let wanted = numbers[last];
+        if !(1.0..MOST).contains(&wanted) {
+            return self.clone();
+        }
         // As many nodes as there were, unless they are far too few or too many.
         let count = if (0.9..1.1).contains(&(wanted / last as f64)) { last } else { wanted.ceil() as usize };
         // Like the curve's length it is continued oddly about both ends.
