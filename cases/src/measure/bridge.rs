@@ -1,6 +1,6 @@
 //! The bridge between two drops that become one.
 
-use super::boundary_integral::Flow;
+use super::boundary_integral::{Flow, Surface};
 use super::energy::largest_rise;
 use super::evaluate::Outcome;
 use super::exact::Drop;
@@ -44,7 +44,8 @@ impl Bridge {
         let Bridge { radius, other } = *self;
         let effective = self.effective_radius() / radius;
         let flow = Flow::bridge(other / radius, BRIDGE * effective, FINENESS);
-        let [mut times, mut radii] = flow.narrowest_until(|narrowest| narrowest > RANGE[1] * effective);
+        let [mut times, mut radii] =
+            flow.observed(Surface::narrowest, |narrowest| narrowest > RANGE[1] * effective);
         let unit = radius / Drop::of(liquid, radius).capillary_velocity();
         times.iter_mut().for_each(|time| *time *= unit);
         radii.iter_mut().for_each(|narrowest| *narrowest *= radius);

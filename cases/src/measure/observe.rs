@@ -4,7 +4,7 @@ use super::columns::{columns_of, with_index};
 use super::exact::Drop;
 use super::motion::{Motion, mass_sum};
 use super::surface::Surface;
-use super::{film, flow, free_surface, jet, large, neck, spread};
+use super::{film, flow, free_surface, jet, large, neck, spread, thread};
 use crate::assemble::Physics;
 use crate::scene::{Liquid, Measure, Scene};
 use crate::simulation::Simulation;
@@ -228,7 +228,7 @@ impl Observer {
                 let reach = radius.min(other);
                 neck::observe(particles, [-0.5 * reach, 0.5 * reach], near)
             }
-            Measure::PinchOff { .. } => neck::observe(particles, [f64::NEG_INFINITY, f64::INFINITY], near),
+            Measure::PinchOff { .. } => thread::observe(particles, &self.physics),
             Measure::SemiAxis { .. } => flow::observe_semi_axes(particles),
             Measure::PlateauDensity { dimensions, speed } => {
                 flow::observe_plateau(particles, &self.physics, &self.liquid, (dimensions, speed, time))

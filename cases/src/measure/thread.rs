@@ -1,12 +1,15 @@
 //! The thread of a jet that tears.
 
-use super::boundary_integral::Flow;
+use super::boundary_integral::{Flow, Surface, weight};
 use super::evaluate::Outcome;
 use super::exact::Drop;
 use super::growth::slope;
 use super::history::History;
 use super::neck::{crossing, evenly};
+use super::observe::Particles;
+use crate::assemble::Physics;
 use crate::scene::Liquid;
+use std::f64::consts::PI;
 
 /// Least radius of a thread.
 pub(super) const COLUMNS: [(&str, &str); 1] = [("thread radius", "m")];
@@ -18,8 +21,12 @@ const WIDEST: f64 = 0.25;
 /// Distance of the exact flow's nodes over the smaller radius of curvature: h(t) is good to 1e-3 of its length, the
 /// prefactor of h to .5 %.
 const FINENESS: f64 = 0.25;
-/// The exact flow goes on to this radius of its thread, in radii of the jet.
-const THINNEST: f64 = 0.02;
+/// The exact flow goes on until the thread is as thin as this part of the reach.
+const THINNEST: f64 = 0.6;
+/// Heights, in particle sizes to either side, over which the thread's radius is a mean; the exact one's alike.
+const REACH: f64 = 3.0;
+/// Distance of the heights that are looked at, in particle sizes.
+const STEP: f64 = 0.25;
 
 /// A jet along z with the velocity v sin(k z/R).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,17 +40,43 @@ pub struct Jet {
 }
 
 impl Jet {
-    /// Times in s and least radii in m of the jet if its liquid has no viscosity and is incompressible; takes about a
-    /// second to compute.
-    pub fn exact(&self, liquid: &Liquid) -> [Vec<f64>; 2] {
+    /// Times in s and radii in m of the thread, by the mean over heights within `reach` m, of the jet if its liquid has no
+    /// viscosity and is incompressible; takes about a second to compute.
+    pub fn exact(&self, liquid: &Liquid, reach: f64) -> [Vec<f64>; 2] {
         let Jet { radius, wavenumber, speed } = *self;
         let velocity = Drop::of(liquid, radius).capillary_velocity();
         let flow = Flow::jet(wavenumber, speed / velocity, FINENESS);
-        let [mut times, mut radii] = flow.narrowest_until(|narrowest| narrowest < THINNEST);
+        let thinnest = |surface: &Surface| Some(surface.least_mean_square(reach / radius).sqrt());
+        let [mut times, mut radii] = flow.observed(thinnest, |thinnest| thinnest < THINNEST * reach / radius);
         times.iter_mut().for_each(|time| *time *= radius / velocity);
-        radii.iter_mut().for_each(|narrowest| *narrowest *= radius);
+        radii.iter_mut().for_each(|thinnest| *thinnest *= radius);
         [times, radii]
     }
+}
+
+/// The least radius of a thread that is fitted, and the reach of the mean, in m.
+pub fn limits(particle_size: f64) -> [f64; 2] {
+    [FINEST * particle_size, REACH * particle_size]
+}
+
+/// The radius of the cylinder that has the least volume to a length: a mean over heights near one, for particles are too
+/// few to tell where the surface of a thin thread lies. NaN where the domain has no period.
+pub(super) fn observe(particles: &Particles, physics: &Physics) -> Vec<f64> {
+    let Some((bottom, length)) = physics.domain.period else { return vec![f64::NAN] };
+    let reach = REACH * physics.particle_size;
+    let places = (length / (STEP * physics.particle_size)).ceil();
+    let distance = length / places;
+    let mut areas = vec![0.0; places as usize];
+    for (k, z) in particles.z.iter().enumerate() {
+        let volume = particles.mass[k] / particles.density[k];
+        let (first, last) =
+            (((z - bottom - reach) / distance).ceil(), ((z - bottom + reach) / distance).floor());
+        for place in first as i64..=last as i64 {
+            let away = z - bottom - place as f64 * distance;
+            areas[place.rem_euclid(places as i64) as usize] += volume * weight(away / reach) / reach;
+        }
+    }
+    vec![(areas.into_iter().fold(f64::INFINITY, f64::min) / PI).sqrt()]
 }
 
 /// How a thread tears: h = c (sigma (t_0 - t)^2/rho)^(1/3), in the end with c = .7 (Day, Hinch and Lister 1998). A thread
@@ -56,13 +89,13 @@ pub(super) fn evaluate(
     (jet, particle_size): (Jet, f64),
 ) -> Vec<Outcome> {
     let (times, values) = (history.of("time"), history.of(column));
-    let [finest, widest] = [FINEST * particle_size, WIDEST * jet.radius];
+    let ([finest, reach], widest) = (limits(particle_size), WIDEST * jet.radius);
     let end = values.iter().position(|value| *value < finest);
     let end_or_all = end.unwrap_or(values.len());
     let wide = values[..end_or_all].iter().rposition(|value| *value > widest);
     let start = wide.map_or(0, |last| last + 1);
     let torn = end.is_some() && end_or_all >= start + 8;
-    let exact = if torn { jet.exact(liquid) } else { Default::default() };
+    let exact = if torn { jet.exact(liquid, reach) } else { Default::default() };
     let measured = torn.then(|| prefactor(&times[start..end_or_all], &values[start..end_or_all], liquid));
     let in_range = evenly(&exact, widest, finest);
     let mut outcomes = vec![
@@ -123,7 +156,7 @@ mod tests {
 
     #[test]
     fn the_exact_thread_has_no_error() {
-        let [times, radii] = JET.exact(&WATER);
+        let [times, radii] = JET.exact(&WATER, 6e-8);
         let rows = (0..9900).map(|k| 1e-10 * f64::from(k));
         let rows = rows.filter_map(|t| {
             let after = times.iter().position(|time| *time > t)?;

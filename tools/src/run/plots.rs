@@ -5,7 +5,7 @@ use meniscus_cases::measure::exact::Drop;
 use meniscus_cases::measure::fit::Oscillation;
 use meniscus_cases::measure::large::Start;
 use meniscus_cases::measure::spheroid::Spheroid;
-use meniscus_cases::measure::thread::Jet;
+use meniscus_cases::measure::thread::{Jet, limits};
 use meniscus_cases::measure::viscous::Mode;
 use meniscus_cases::measure::{History, columns_of, numbered, oscillation_fit, with_index};
 use meniscus_cases::scene::{Measure, Scene};
@@ -99,7 +99,8 @@ pub(super) fn draw(scene: &Scene, folder: &RunFolder, history: &History) -> Resu
                 ("coalescence", curves, "radius of the bridge [m]".to_owned())
             }
             Measure::PinchOff { radius, wavenumber, speed } => {
-                let [x, y] = Jet { radius, wavenumber, speed }.exact(&scene.liquid);
+                let [_, reach] = limits(scene.particle_size);
+                let [x, y] = Jet { radius, wavenumber, speed }.exact(&scene.liquid, reach);
                 let mut curves = vec![curve("potential flow", x, y, Style::Dashed)];
                 curves.extend(measured(history, measure, index));
                 ("pinch-off", curves, "radius of the thread [m]".to_owned())

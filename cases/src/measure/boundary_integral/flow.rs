@@ -89,19 +89,23 @@ impl Flow {
         self.time
     }
 
-    /// Times and radii of the narrowest place after every step, until `reached` says so of one or there is none.
-    pub fn narrowest_until(mut self, reached: impl Fn(f64) -> bool) -> [Vec<f64>; 2] {
-        let (mut times, mut radii) = (Vec::new(), Vec::new());
-        let goes_on = |flow: &Flow| flow.steps < STEPS && flow.surface.nodes.len() < NODES;
-        while let Some(radius) = self.surface.narrowest().filter(|_| goes_on(&self)) {
+    /// Times and what is measured of the surface after every step, until `reached` says so or there is nothing to measure.
+    pub fn observed(
+        mut self,
+        measure: impl Fn(&Surface) -> Option<f64>,
+        reached: impl Fn(f64) -> bool,
+    ) -> [Vec<f64>; 2] {
+        let (mut times, mut values) = (Vec::new(), Vec::new());
+        while self.steps < STEPS && self.surface.nodes.len() < NODES {
+            let Some(value) = measure(&self.surface).filter(|value| value.is_finite()) else { break };
             times.push(self.time);
-            radii.push(radius);
-            if reached(radius) {
+            values.push(value);
+            if reached(value) {
                 break;
             }
             self.advance(f64::INFINITY);
         }
-        [times, radii]
+        [times, values]
     }
 
     /// One step, not beyond a time.

@@ -18,4 +18,4 @@ mod surface;
 mod tests;
 
 pub use flow::Flow;
-pub use surface::{End, Surface};
+pub use surface::{End, Surface, weight};

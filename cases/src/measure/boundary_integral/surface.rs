@@ -39,6 +39,11 @@ pub(super) struct Shape {
     pub(super) curvatures: [f64; 2],
 }
 
+/// Weight 3/4 (1 - x^2) for means over -1 < x < 1 (Epanechnikov).
+pub fn weight(x: f64) -> f64 {
+    0.75 * (1.0 - x * x).max(0.0)
+}
+
 impl Surface {
     /// The nodes with three more beyond each end.
     pub(super) fn continued(&self) -> Vec<[f64; 3]> {
@@ -106,6 +111,23 @@ impl Surface {
         };
         let inner = &all[BEYOND - 1..=all.len() - BEYOND];
         inner.windows(3).filter_map(waist).min_by(f64::total_cmp)
+    }
+
+    /// The least mean of r^2 over the heights closer than `reach` to that of a node, with the weight [`weight`]; planes at
+    /// the ends mirror the surface. Below `reach` it must have no other sheet.
+    pub fn least_mean_square(&self, reach: f64) -> f64 {
+        let [low, high] = [0, self.nodes.len() - 1].map(|k| self.nodes[k][1]);
+        let mean = |node: &[f64; 3]| {
+            let centre = node[1];
+            let images = [centre, 2.0 * low - centre, 2.0 * high - centre];
+            let mirrored = [true, self.ends[0] == End::Mirror, self.ends[1] == End::Mirror];
+            let near = |height: f64| {
+                let seen = images.iter().zip(mirrored).filter(|(_, mirrored)| *mirrored);
+                seen.map(|(image, _)| weight((height - image) / reach) / reach).sum::<f64>()
+            };
+            self.integral(|radius, height| radius * radius * near(height))
+        };
+        self.nodes.iter().map(mean).fold(f64::INFINITY, f64::min)
     }
 
     /// All nodes moved and their potentials changed at rates (radius, height, potential) for a time.

@@ -53,7 +53,8 @@ fn a_weak_wave_grows_on_a_jet() {
 /// Day, Hinch and Lister (1998) have h = .7 tau^(2/3) in the end.
 #[test]
 fn a_jet_tears_by_the_law() {
-    let [times, radii] = Flow::jet(0.2 * PI, 0.116_25, 0.25).narrowest_until(|radius| radius < 0.02);
+    let [times, radii] =
+        Flow::jet(0.2 * PI, 0.116_25, 0.25).observed(Surface::narrowest, |radius| radius < 0.02);
     let powers: Vec<f64> = radii.iter().map(|radius| radius.powf(1.5)).collect();
     let prefactor = (-slope_within(&times, &powers, |k| radii[k] < 0.03)).powf(2.0 / 3.0);
     assert!((prefactor / 0.7 - 1.0).abs() < 0.03, "{prefactor}");
@@ -66,7 +67,8 @@ fn a_jet_tears_by_the_law() {
 #[test]
 fn a_bridge_forgets_its_start() {
     let prefactor = |start: f64| {
-        let [times, radii] = Flow::bridge(1.0, start, 0.3).narrowest_until(|radius| radius > 0.5);
+        let [times, radii] =
+            Flow::bridge(1.0, start, 0.3).observed(Surface::narrowest, |radius| radius > 0.5);
         let squares: Vec<f64> = radii.iter().map(|radius| radius * radius).collect();
         slope_within(&times, &squares, |k| radii[k] > 0.25).sqrt()
     };
