@@ -83,16 +83,21 @@ impl Surface {
     /// Integral over the enclosed liquid of a density by radius r and height z, whose integral over the disc of radius r
     /// is `of_disc`.
     pub fn integral(&self, of_disc: impl Fn(f64, f64) -> f64) -> f64 {
+        self.discs(4).iter().map(|[radius, height, thickness]| thickness * of_disc(*radius, *height)).sum()
+    }
+
+    /// Radius, height and thickness of discs that stand for the liquid, so many of Gauss's to an element.
+    fn discs(&self, count: usize) -> Vec<[f64; 3]> {
         let all = self.continued();
-        let places = gauss(4).into_iter().map(|[x, weight]| Place::new(x, weight)).collect::<Vec<_>>();
-        let element = |start: usize| -> f64 {
-            let part = |place: &Place| {
-                let [[radius, height, _], [_, rise, _]] = interpolate(&all, start, place);
-                place.weight * rise * of_disc(radius, height)
-            };
-            places.iter().map(part).sum()
+        let places: Vec<Place> = gauss(count).into_iter().map(|[x, part]| Place::new(x, part)).collect();
+        let disc = |element: usize, place: &Place| {
+            let [[radius, height, _], [_, rise, _]] = interpolate(&all, element, place);
+            [radius, height, rise * place.weight]
         };
-        (0..self.nodes.len() - 1).map(element).sum()
+        let elements = 0..self.nodes.len() - 1;
+        elements
+            .flat_map(|element| places.iter().map(move |place| disc(element, place)).collect::<Vec<_>>())
+            .collect()
     }
 
     /// Volume of the liquid.
@@ -114,18 +119,23 @@ impl Surface {
     }
 
     /// The least mean of r^2 over the heights closer than `reach` to that of a node, with the weight [`weight`]; planes at
-    /// the ends mirror the surface. Below `reach` it must have no other sheet.
+    /// the ends mirror the surface.
     pub fn least_mean_square(&self, reach: f64) -> f64 {
         let [low, high] = [0, self.nodes.len() - 1].map(|k| self.nodes[k][1]);
-        let mean = |node: &[f64; 3]| {
-            let centre = node[1];
-            let images = [centre, 2.0 * low - centre, 2.0 * high - centre];
-            let mirrored = [true, self.ends[0] == End::Mirror, self.ends[1] == End::Mirror];
-            let near = |height: f64| {
-                let seen = images.iter().zip(mirrored).filter(|(_, mirrored)| *mirrored);
-                seen.map(|(image, _)| weight((height - image) / reach) / reach).sum::<f64>()
+        let mirrored = self.ends.map(|end| end == End::Mirror);
+        // The weight has kinks: elements may be longer than the reach.
+        let discs = self.discs(16);
+        let mean = |[_, centre, _]: &[f64; 3]| -> f64 {
+            let images =
+                [(true, *centre), (mirrored[0], 2.0 * low - centre), (mirrored[1], 2.0 * high - centre)];
+            let seen = images.iter().filter(|(seen, _)| *seen);
+            let of_image = |(_, image): &(bool, f64)| -> f64 {
+                let term = |[radius, height, thickness]: &[f64; 3]| {
+                    radius * radius * thickness * weight((height - image) / reach) / reach
+                };
+                discs.iter().map(term).sum()
             };
-            self.integral(|radius, height| radius * radius * near(height))
+            seen.map(of_image).sum()
         };
         self.nodes.iter().map(mean).fold(f64::INFINITY, f64::min)
     }
