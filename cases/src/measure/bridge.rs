@@ -38,8 +38,8 @@ impl Bridge {
         2.0 * self.radius * self.other / (self.radius + self.other)
     }
 
-    /// Times in s since the bridge had a small radius, and its radii in m up to half of the effective one, if the liquid
-    /// has no viscosity and is incompressible; takes some seconds to compute.
+    /// Times in s since the bridge had a small radius, and its radii in m up to half of the effective one, if the
+    /// liquid has no viscosity and is incompressible; takes some seconds to compute.
     pub fn exact(&self, liquid: &Liquid) -> [Vec<f64>; 2] {
         let Bridge { radius, other } = *self;
         let effective = self.effective_radius() / radius;

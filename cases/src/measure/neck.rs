@@ -24,8 +24,8 @@ fn narrowest(r: &[f64], z: &[f64], [low, high]: [f64; 2], near: f64) -> f64 {
     points.iter().map(outermost).min_by(f64::total_cmp).unwrap_or(0.0)
 }
 
-/// The same curve (times, values) at equal steps in time, like that of a run, so that a fit to both weighs alike: the part
-/// between the first crossings of two values, `from` and then `to`. `None` if it does not come that far.
+/// The same curve (times, values) at equal steps in time, like that of a run, so that a fit to both weighs alike:
+/// the part between the first crossings of two values, `from` and then `to`. `None` if it does not come that far.
 pub(super) fn evenly([times, values]: &[Vec<f64>; 2], from: f64, to: f64) -> Option<[Vec<f64>; 2]> {
     let [start, end] = [from, to].map(|value| crossing(times, values, value));
     let (start, end) = (start?, end?);

@@ -40,8 +40,8 @@ pub struct Jet {
 }
 
 impl Jet {
-    /// Times in s and radii in m of the thread, by the mean over heights within `reach` m, of the jet if its liquid has no
-    /// viscosity and is incompressible; takes about a second to compute.
+    /// Times in s and radii in m of the thread, by the mean over heights within `reach` m, of the jet if its liquid
+    /// has no viscosity and is incompressible; takes about a second to compute.
     pub fn exact(&self, liquid: &Liquid, reach: f64) -> [Vec<f64>; 2] {
         let Jet { radius, wavenumber, speed } = *self;
         let velocity = Drop::of(liquid, radius).capillary_velocity();
@@ -59,8 +59,8 @@ pub fn limits(particle_size: f64) -> [f64; 2] {
     [FINEST * particle_size, REACH * particle_size]
 }
 
-/// The radius of the cylinder that has the least volume to a length: a mean over heights near one, for particles are too
-/// few to tell where the surface of a thin thread lies. NaN where the domain has no period.
+/// The radius of the cylinder that has the least volume to a length: a mean over heights near one, for particles
+/// are too few to tell where the surface of a thin thread lies. NaN where the domain has no period.
 pub(super) fn observe(particles: &Particles, physics: &Physics) -> Vec<f64> {
     let Some((bottom, length)) = physics.domain.period else { return vec![f64::NAN] };
     let reach = REACH * physics.particle_size;
@@ -79,9 +79,9 @@ pub(super) fn observe(particles: &Particles, physics: &Physics) -> Vec<f64> {
     vec![(areas.into_iter().fold(f64::INFINITY, f64::min) / PI).sqrt()]
 }
 
-/// How a thread tears: h = c (sigma (t_0 - t)^2/rho)^(1/3), in the end with c = .7 (Day, Hinch and Lister 1998). A thread
-/// that still feels the jet is slower, so the exact value is that of the exact flow in the same range of h; and when it comes
-/// to that range.
+/// How a thread tears: h = c (sigma (t_0 - t)^2/rho)^(1/3), in the end with c = .7 (Day, Hinch and Lister 1998). A
+/// thread that still feels the jet is slower, so the exact value is that of the exact flow in the same range of h;
+/// and when it comes to that range.
 pub(super) fn evaluate(
     history: &History,
     column: &str,

@@ -6,11 +6,12 @@ use super::surface::{End, Shape, Surface};
 use faer::Mat;
 use faer::linalg::solvers::Solve;
 
-/// The longest step over the power 3/2 of the shortest distance of nodes. The shortest wave on them, of two distances d, has the
-/// frequency (pi/d)^(3/2): 2.5 radians, of 2.8 where Runge and Kutta's method becomes unstable.
+/// The longest step over the power 3/2 of the shortest distance of nodes. The shortest wave on them, of two
+/// distances d, has the frequency (pi/d)^(3/2): 2.5 radians, of 2.8 where Runge and Kutta's method becomes
+/// unstable.
 const LONGEST: f64 = 0.45;
-/// A flow that has not come where it should after so many steps, or with so many nodes, some times what any has needed, is
-/// given up.
+/// A flow that has not come where it should after so many steps, or with so many nodes, some times what any has
+/// needed, is given up.
 const STEPS: usize = 6000;
 const NODES: usize = 300;
 /// Hurwitz's zeta functions sum n^-3, n^-5 and n^-7 over n = 2, 3, ... and over n = 5/2, 7/2, ...
@@ -89,7 +90,8 @@ impl Flow {
         self.time
     }
 
-    /// Times and what is measured of the surface after every step, until `reached` says so or there is nothing to measure.
+    /// Times and what is measured of the surface after every step, until `reached` says so or there is nothing to
+    /// measure.
     pub fn observed(
         mut self,
         measure: impl Fn(&Surface) -> Option<f64>,
@@ -187,8 +189,8 @@ impl Flow {
         (0..surface.nodes.len() - 1).map(element).collect()
     }
 
-    /// Adds to a row, by nodes with those beyond the ends, what sources on an image make at a node; returns what its dipoles
-    /// make there.
+    /// Adds to a row, by nodes with those beyond the ends, what sources on an image make at a node; returns what
+    /// its dipoles make there.
     fn add(
         &self,
         image: &Image,

@@ -34,7 +34,7 @@ impl Ring {
     /// G = K/(pi S), S^2 = (r + r_0)^2 + z^2, D^2 = (r - r_0)^2 + z^2, m = 4 r r_0/S^2
     /// r dG/dr = [(r_0^2 - r^2 + z^2) E/D^2 - K]/(2 pi S), dG/dz = -z E/(pi S D^2)
     /// ```
-    /// (Jackson, Classical Electrodynamics, problem 5.10; its derivatives).
+    /// (Pozrikidis 2002, A Practical Guide to Boundary Element Methods, chapter 4; and its derivatives).
     pub(super) fn new(point: f64, radius: f64, height: f64) -> Self {
         let square = height * height;
         let far = (radius + point).powi(2) + square;
@@ -47,8 +47,8 @@ impl Ring {
     }
 
     /// Of rings at height + n `period` for n = +-first, +-(first + 1) and so on, less what does not depend on the
-    /// places (it acts on the sum of all sources, which is zero): solid harmonics s^l P_l up to degree 6, averaged over
-    /// the ring, times `sums` of 2/(n period)^(l + 1) for l = 2, 4 and 6.
+    /// places (it acts on the sum of all sources, which is zero): solid harmonics s^l P_l up to degree 6, averaged
+    /// over the ring, times `sums` of 2/(n period)^(l + 1) for l = 2, 4 and 6.
     pub(super) fn of_row(point: f64, radius: f64, height: f64, sums: &[f64; 3]) -> Self {
         let (z, r2, p2) = (height * height, radius * radius, point * point);
         let (sum, product) = (r2 + p2, r2 * p2);

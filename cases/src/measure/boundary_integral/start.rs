@@ -19,8 +19,8 @@ fn curve(ends: [End; 2], node: impl Fn(f64) -> [f64; 3]) -> Surface {
 }
 
 impl Flow {
-    /// A spheroid of the volume of the unit sphere, whose half-axis along the axis of symmetry is `aspect_ratio` times
-    /// the other one, with the flow (-r, 2 z) times half the `speed`.
+    /// A spheroid of the volume of the unit sphere, whose half-axis along the axis of symmetry is `aspect_ratio`
+    /// times the other one, with the flow (-r, 2 z) times half the `speed`.
     pub fn spheroid(aspect_ratio: f64, speed: f64, fineness: f64) -> Self {
         let radial = aspect_ratio.cbrt().recip();
         let node = |x: f64| {
@@ -32,16 +32,18 @@ impl Flow {
     }
 
     /// A jet of the radius 1, half a wave of it: z from 0 to pi/`wavenumber`. A liquid that is given the velocity w =
-    /// `speed` sin(k z) along the axis cannot keep it, for that is not free of divergence. The pressure that makes it so at once
-    /// vanishes at the surface; w is the gradient of -(`speed`/k) cos(k z), so this stays the potential there.
+    /// `speed` sin(k z) along the axis cannot keep it, for that is not free of divergence. The pressure that makes
+    /// it so at once vanishes at the surface; w is the gradient of -(`speed`/k) cos(k z), so this stays the
+    /// potential there.
     pub fn jet(wavenumber: f64, speed: f64, fineness: f64) -> Self {
         let node = |x: f64| [1.0, PI * x / wavenumber, -speed / wavenumber * (PI * x).cos()];
         Flow::new(curve([End::Mirror; 2], node), fineness)
     }
 
-    /// Two spheres at rest, the lower one of the radius 1, the upper one `ratio` times as large, that touch at z = 0 and
-    /// are joined by a bridge of about the radius `bridge`. The surface is where the distances a and b to both spheres have a
-    /// smooth least one of zero, -s ln(e^(-a/s) + e^(-b/s)): beside the bridge the gap between the spheres is rounded.
+    /// Two spheres at rest, the lower one of the radius 1, the upper one `ratio` times as large, that touch at z =
+    /// 0 and are joined by a bridge of about the radius `bridge`. The surface is where the distances a and b to
+    /// both spheres have a smooth least one of zero, -s ln(e^(-a/s) + e^(-b/s)): beside the bridge the gap between
+    /// the spheres is rounded.
     pub fn bridge(ratio: f64, bridge: f64, fineness: f64) -> Self {
         // Where a = b = s ln 2: half the gap between the spheres, r^2 (1 + 1/ratio)/4.
         let smooth = 0.25 * bridge * bridge * (1.0 + 1.0 / ratio) / 2f64.ln();

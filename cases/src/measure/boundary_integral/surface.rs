@@ -19,8 +19,8 @@ const MOST: f64 = 500.0;
 /// Rounds of means that take kinks from the nodes' density.
 const SMOOTHINGS: usize = 4;
 
-/// Nodes on the curve from below to above, smooth functions of their number. The liquid lies between the curve and the
-/// axis.
+/// Nodes on the curve from below to above, smooth functions of their number. The liquid lies between the curve and
+/// the axis.
 #[derive(Clone, Debug)]
 pub struct Surface {
     /// Radius, height and potential of each.
@@ -80,8 +80,8 @@ impl Surface {
         (0..self.nodes.len()).map(shape).collect()
     }
 
-    /// Integral over the enclosed liquid of a density by radius r and height z, whose integral over the disc of radius r
-    /// is `of_disc`.
+    /// Integral over the enclosed liquid of a density by radius r and height z, whose integral over the disc of
+    /// radius r is `of_disc`.
     pub fn integral(&self, of_disc: impl Fn(f64, f64) -> f64) -> f64 {
         self.discs(4).iter().map(|[radius, height, thickness]| thickness * of_disc(*radius, *height)).sum()
     }
@@ -118,8 +118,8 @@ impl Surface {
         inner.windows(3).filter_map(waist).min_by(f64::total_cmp)
     }
 
-    /// The least mean of r^2 over the heights closer than `reach` to that of a node, with the weight [`weight`]; planes at
-    /// the ends mirror the surface.
+    /// The least mean of r^2 over the heights closer than `reach` to that of a node, with the weight [`weight`];
+    /// planes at the ends mirror the surface.
     pub fn least_mean_square(&self, reach: f64) -> f64 {
         let [low, high] = [0, self.nodes.len() - 1].map(|k| self.nodes[k][1]);
         let mirrored = self.ends.map(|end| end == End::Mirror);
@@ -147,8 +147,8 @@ impl Surface {
         Surface { nodes, ends: self.ends }
     }
 
-    /// The same curve with nodes as far apart as `fineness` times the smaller radius of curvature, and nowhere farther than
-    /// `fineness`.
+    /// The same curve with nodes as far apart as `fineness` times the smaller radius of curvature, and nowhere
+    /// farther than `fineness`.
     pub(super) fn spread(&self, fineness: f64) -> Surface {
         let last = self.nodes.len() - 1;
         let numbers = self.numbers(fineness);
