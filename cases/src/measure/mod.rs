@@ -3,6 +3,7 @@
 pub mod boundary_integral;
 pub mod bridge;
 mod columns;
+mod curve;
 mod energy;
 mod evaluate;
 pub mod exact;
@@ -15,7 +16,6 @@ mod history;
 mod jet;
 pub mod large;
 mod motion;
-mod neck;
 mod observe;
 pub mod potential;
 pub mod spheroid;

@@ -4,7 +4,7 @@ use super::columns::{columns_of, with_index};
 use super::exact::Drop;
 use super::motion::{Motion, mass_sum};
 use super::surface::Surface;
-use super::{film, flow, free_surface, jet, large, neck, spread, thread};
+use super::{bridge, film, flow, free_surface, jet, large, spread, thread};
 use crate::assemble::Physics;
 use crate::scene::{Liquid, Measure, Scene};
 use crate::simulation::Simulation;
@@ -226,7 +226,7 @@ impl Observer {
             Measure::Coalescence { radius, other } => {
                 // Of surfaces that meet at z = 0 the poles are farther away.
                 let reach = radius.min(other);
-                neck::observe(particles, [-0.5 * reach, 0.5 * reach], near)
+                bridge::observe(particles, [-0.5 * reach, 0.5 * reach], near)
             }
             Measure::PinchOff { .. } => thread::observe(particles, &self.physics),
             Measure::SemiAxis { .. } => flow::observe_semi_axes(particles),

@@ -123,19 +123,18 @@ impl Surface {
     pub fn least_mean_square(&self, reach: f64) -> f64 {
         let [low, high] = [0, self.nodes.len() - 1].map(|k| self.nodes[k][1]);
         let mirrored = self.ends.map(|end| end == End::Mirror);
-        // The weight has kinks: elements may be longer than the reach.
+        // The weight has kinks, and elements may be longer than the reach: many discs, and a mean of what they are.
         let discs = self.discs(16);
-        let mean = |[_, centre, _]: &[f64; 3]| -> f64 {
+        let mean = |[_, centre, _]: &[f64; 3]| {
             let images =
                 [(true, *centre), (mirrored[0], 2.0 * low - centre), (mirrored[1], 2.0 * high - centre)];
             let seen = images.iter().filter(|(seen, _)| *seen);
-            let of_image = |(_, image): &(bool, f64)| -> f64 {
-                let term = |[radius, height, thickness]: &[f64; 3]| {
-                    radius * radius * thickness * weight((height - image) / reach) / reach
-                };
-                discs.iter().map(term).sum()
-            };
-            seen.map(of_image).sum()
+            let parts = seen.flat_map(|(_, image)| {
+                discs.iter().map(move |[r, z, thickness]| (r * r, thickness * weight((z - image) / reach)))
+            });
+            let (sum, whole) =
+                parts.fold((0.0, 0.0), |(sum, whole), (square, part)| (sum + square * part, whole + part));
+            sum / whole
         };
         self.nodes.iter().map(mean).fold(f64::INFINITY, f64::min)
     }

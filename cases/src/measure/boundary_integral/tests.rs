@@ -75,3 +75,19 @@ fn a_bridge_forgets_its_start() {
     let (narrow, wide) = (prefactor(0.1), prefactor(0.14));
     assert!((narrow / wide - 1.0).abs() < 0.01, "{narrow} {wide}");
 }
+
+/// Means of r^2 over heights: of a jet at its start, and a little more than the least one later.
+#[test]
+fn a_mean_over_heights_is_that_of_the_curve() {
+    let mut flow = Flow::jet(0.2 * PI, 0.116_25, 0.25);
+    for reach in [0.1, 1.0] {
+        let found = flow.surface().least_mean_square(reach);
+        assert!((found - 1.0).abs() < 1e-12, "{reach}: {found}");
+    }
+    while flow.time() < 8.0 {
+        flow.advance(8.0);
+    }
+    let narrowest = flow.surface().narrowest().unwrap();
+    let found = flow.surface().least_mean_square(0.1).sqrt();
+    assert!(found > narrowest && found < 1.01 * narrowest, "{found} {narrowest}");
+}
