@@ -221,7 +221,8 @@ impl ChunkStage for ListCheck {
         // This step's motion is not known yet: it may be twice the one before.
         let margin = world.neighbours.margin;
         let before = std::mem::replace(&mut self.margin, margin);
-        self.is_needed = !(margin > 2.0 * (before - margin).max(0.0));
+        let is_enough = margin > 2.0 * (before - margin).max(0.0);
+        self.is_needed = !is_enough;
         Ok(())
     }
 
