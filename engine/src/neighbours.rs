@@ -204,7 +204,7 @@ impl NeighbourList {
     /// Calls `visit` with numbers of particles and listed images that together are all that lay within `reach` metres of
     /// (r, z) when the list was built, and some more.
     pub fn near(&self, r: f64, z: f64, reach: f64, mut visit: impl FnMut(&[u32])) {
-        self.bins.near(r, z, reach, |range| visit(&self.bins.members()[range]));
+        self.bins.within(r, z, reach, |range| visit(&self.bins.members()[range]));
     }
 
     /// The particle behind a number that may be an image's.

@@ -11,8 +11,10 @@ use meniscus_engine::store::{Add, Read, Update};
 use meniscus_engine::wiring::Wiring;
 use std::f64::consts::PI;
 
-/// Steps between two looks.
-const INTERVAL: u64 = 80;
+/// Least number of steps between two looks: in a drop with 35 particles to the radius they take .04 t_c.
+const FEWEST_STEPS: u64 = 80;
+/// Part of the capillary time up to which it is twice, four times or more as many.
+const LONGEST: f64 = 0.045;
 
 /// Emptiness that doesn't count, of either sign: that of packings that have settled is .001 with a deviation of .003.
 const TOLERANCE: f64 = 0.01;
@@ -40,6 +42,8 @@ pub struct VoidClosing {
     rate: f64,
     /// The same until the next look.
     rate_now: f64,
+    /// Longest time between two looks if that is more than [`FEWEST_STEPS`], s.
+    longest: f64,
     position: [Read<f64>; 2],
     size: Read<f64>,
     surface: Read<u32>,
@@ -56,6 +60,7 @@ impl VoidClosing {
             packing,
             rate: RATE * capillary_rate,
             rate_now: 0.0,
+            longest: LONGEST / capillary_rate,
             position: [wiring.read(&fields::RADIUS), wiring.read(&fields::AXIAL)],
             size: wiring.read(&fields::SIZE),
             surface: wiring.read(&fields::SURFACE),
@@ -120,11 +125,15 @@ impl ChunkStage for VoidClosing {
     }
 
     fn prepare(&mut self, world: &mut World) -> Result<(), Fault> {
-        if world.clock.step.is_multiple_of(INTERVAL) {
+        let step_size = world.clock.previous_step_size;
+        let mut steps = FEWEST_STEPS;
+        while step_size > 0.0 && 2.0 * steps as f64 * step_size < self.longest {
+            steps *= 2;
+        }
+        if world.clock.step.is_multiple_of(steps) {
             self.look(world);
         }
-        let until_next_look = INTERVAL as f64 * world.clock.previous_step_size;
-        self.rate_now = self.rate.min(MOST / until_next_look);
+        self.rate_now = self.rate.min(MOST / (steps as f64 * step_size));
         Ok(())
     }
 
