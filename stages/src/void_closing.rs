@@ -13,8 +13,9 @@ use std::f64::consts::PI;
 
 /// Least number of steps between two looks: in a drop with 35 particles to the radius they take .04 t_c.
 const FEWEST_STEPS: u64 = 80;
-/// Part of the capillary time up to which it is twice, four times or more as many.
+/// Part of the capillary time up to which it is twice, four times or more as many, at most so many.
 const LONGEST: f64 = 0.045;
+const MOST_STEPS: u64 = 16 * FEWEST_STEPS;
 
 /// Emptiness that doesn't count, of either sign: that of packings that have settled is .001 with a deviation of .003.
 const TOLERANCE: f64 = 0.01;
@@ -127,7 +128,7 @@ impl ChunkStage for VoidClosing {
     fn prepare(&mut self, world: &mut World) -> Result<(), Fault> {
         let step_size = world.clock.previous_step_size;
         let mut steps = FEWEST_STEPS;
-        while step_size > 0.0 && 2.0 * steps as f64 * step_size < self.longest {
+        while steps < MOST_STEPS && 2.0 * steps as f64 * step_size < self.longest {
             steps *= 2;
         }
         if world.clock.step.is_multiple_of(steps) {

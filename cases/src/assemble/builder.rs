@@ -196,9 +196,8 @@ impl Builder<'_> {
         if self.plan("strain-correction", self.corrects_strain(), reasons) {
             stages.push(AnyStage::chunks(StrainCorrection::new(&mut self.wiring)));
         }
-        let reasons =
-            ("gaps that open between particles are no liquid", "no surface tension, or no colour field");
-        if self.plan("void-closing", self.colour_curvature(), reasons) {
+        let reasons = ("less the reference low pressures are a tension, which opens gaps", "no reference");
+        if self.plan("void-closing", self.with_reference(), reasons) {
             let rate = self.physics.capillary_rate;
             stages.push(AnyStage::chunks(VoidClosing::new(&mut self.wiring, self.packing, rate)));
         }
