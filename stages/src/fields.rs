@@ -196,14 +196,14 @@ pub static SURFACE_FORCE_R: Real = Field::derived(
     "surface_force_r",
     "f_s",
     "N/m3",
-    "Force density that acts through the free surface, radial component; not defined away from it.",
+    "Force density that acts through the free surface, radial component.",
 );
 /// Force density that acts through the free surface, axial.
 pub static SURFACE_FORCE_Z: Real = Field::derived(
     "surface_force_z",
     "f_s",
     "N/m3",
-    "Force density that acts through the free surface, axial component; not defined away from it.",
+    "Force density that acts through the free surface, axial component.",
 );
 /// Unit tangent of the surface, radial component.
 pub static SURFACE_TANGENT_R: Real = Field::derived(

@@ -4,6 +4,7 @@ use crate::fields;
 use crate::sound_speed::SoundSpeed;
 use crate::surface::{for_surface, length};
 use crate::surface_interval::COMPUTED;
+use meniscus_engine::field::clear;
 use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
 use meniscus_engine::store::{Add, Read, Write};
 use meniscus_engine::wiring::Wiring;
@@ -76,6 +77,8 @@ impl ChunkStage for GhostCoupling {
         let velocity = self.work.as_ref().map(|work| work.velocity.map(|field| chunk.read(field)));
         let mut power = self.work.as_ref().map(|work| chunk.write(work.power));
 
+        clear(&mut force_r);
+        clear(&mut force_z);
         for_surface(&chunk.read(self.surface), |i| {
             let ghost_pressure = laplace[i] + elapsed * laplace_rate[i] - reference[i];
             let impedance = density[i] * sound_speed.at(i);

@@ -33,6 +33,10 @@ use std::sync::{Arc, Mutex};
 
 pub(super) type Stages = Vec<AnyStage>;
 
+/// Most steps between two looks for the boundary of a liquid without surface tension: with eight a free spheroid with 50
+/// particles to the radius is off by .26 % instead of .21.
+const MOST_STEPS_WITHOUT_CURVATURE: u64 = 4;
+
 /// A pipeline under way.
 pub(super) struct Builder<'a> {
     pub physics: &'a Physics,
@@ -260,7 +264,9 @@ impl Builder<'_> {
             support: method.colour_support,
             with_offset: self.colour_curvature(),
         });
-        let interval = method.curvature_interval;
+        // Without a curvature nobody tells for how long the surface holds.
+        let most = if self.with_tension() { u64::MAX } else { MOST_STEPS_WITHOUT_CURVATURE };
+        let interval = method.curvature_interval.min(most);
         AnyStage::whole(BoundaryDetect::new(&mut self.wiring, self.packing, interval, guard))
     }
 
