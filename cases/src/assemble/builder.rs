@@ -34,7 +34,7 @@ use std::sync::{Arc, Mutex};
 pub(super) type Stages = Vec<AnyStage>;
 
 /// Most steps between two looks for the boundary of a liquid without surface tension: with eight a free spheroid with 50
-/// particles to the radius is off by .26 % instead of .21.
+/// particles to the radius is off by .25 % instead of .21.
 const MOST_STEPS_WITHOUT_CURVATURE: u64 = 4;
 
 /// A pipeline under way.
