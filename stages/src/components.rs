@@ -49,9 +49,9 @@ pub fn components<'a>(
     // Their neighbours bring most of these together: mostly to one component, and that can't become less.
     let is_one = (0..r.len()).any(|a| parent[a] == a as u32 && join_neighbours(parent, a) == 1);
     if !is_one {
-        (0..r.len()).for_each(|a| {
+        for a in 0..r.len() {
             join_neighbours(parent, a);
-        });
+        }
     }
     for i in 0..parent.len() {
         parent[i] = root(parent, i as u32);

@@ -33,8 +33,8 @@ use std::sync::{Arc, Mutex};
 
 pub(super) type Stages = Vec<AnyStage>;
 
-/// Most steps between two looks for the boundary of a liquid without surface tension: with eight a free spheroid with 50
-/// particles to the radius is off by .25 % instead of .21.
+/// Most steps between two looks for the boundary where the colour field's curvature does not say for how long the surface
+/// holds: with eight a free spheroid with 50 particles to the radius is off by .25 % instead of .21.
 const MOST_STEPS_WITHOUT_CURVATURE: u64 = 4;
 
 /// A pipeline under way.
@@ -264,8 +264,7 @@ impl Builder<'_> {
             support: method.colour_support,
             with_offset: self.colour_curvature(),
         });
-        // Without a curvature nobody tells for how long the surface holds.
-        let most = if self.with_tension() { u64::MAX } else { MOST_STEPS_WITHOUT_CURVATURE };
+        let most = if self.colour_curvature() { u64::MAX } else { MOST_STEPS_WITHOUT_CURVATURE };
         let interval = method.curvature_interval.min(most);
         AnyStage::whole(BoundaryDetect::new(&mut self.wiring, self.packing, interval, guard))
     }

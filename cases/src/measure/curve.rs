@@ -24,7 +24,7 @@ pub(super) fn crossing(times: &[f64], values: &[f64], value: f64) -> Option<f64>
 }
 
 /// The straight line between values at ever later times.
-fn at(times: &[f64], values: &[f64], time: f64) -> f64 {
+pub(super) fn at(times: &[f64], values: &[f64], time: f64) -> f64 {
     let after = times.partition_point(|before| *before <= time).clamp(1, times.len() - 1);
     let part = (time - times[after - 1]) / (times[after] - times[after - 1]);
     values[after - 1] + part * (values[after] - values[after - 1])

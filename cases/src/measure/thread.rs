@@ -123,6 +123,7 @@ fn prefactor(times: &[f64], values: &[f64], liquid: &Liquid) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::measure::curve::at;
     use crate::measure::{Observer, Quantity};
     use crate::scene::{EquationOfState, parse};
     use crate::simulation::Simulation;
@@ -181,12 +182,9 @@ mod tests {
     #[test]
     fn the_exact_thread_has_no_error() {
         let [times, radii] = JET.exact(&WATER, 6e-8);
-        let rows = (0..9900).map(|k| 1e-10 * f64::from(k));
-        let rows = rows.filter_map(|t| {
-            let after = times.iter().position(|time| *time > t)?;
-            let part = (t - times[after - 1]) / (times[after] - times[after - 1]);
-            Some([t, radii[after - 1] + part * (radii[after] - radii[after - 1])])
-        });
+        let until = *times.last().unwrap();
+        let rows = (0..9900).map(|k| 1e-10 * f64::from(k)).filter(|t| *t < until);
+        let rows = rows.map(|t| [t, at(&times, &radii, t)]);
         for outcome in evaluate(&history(rows), "radius", &WATER, (JET, 2e-8)) {
             assert!(outcome.relative_error().unwrap().abs() < 2e-3, "{outcome:?}");
         }
