@@ -9,7 +9,7 @@
 
 use super::cells::Cells;
 use super::domain::{Domain, Point, Source};
-use meniscus_engine::lanes::{Lanes, WIDTH, pack};
+use meniscus_engine::lanes::{Lanes, WIDTH};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
@@ -88,74 +88,26 @@ fn run(
     }
 }
 
-/// `sum V grad W` at `point`, with the planar Wendland C2 kernel; it points to the neighbours. Sources are
-/// tested and weighed side by side, but added one after the other in their order.
+/// `sum V grad W` at `point`, with the planar Wendland C2 kernel; it points to the neighbours. Eight sources are
+/// weighed side by side, and those beyond the support weigh nothing.
 pub(super) fn gradient(cells: &Cells, point: Point, support: f64) -> Point {
-    let [r, z, _] = &cells.sorted;
+    let [r, z, area] = &cells.sorted;
     let [point_r, point_z] = point.map(Lanes::splat);
-    let limit = Lanes::splat(support * support);
-    let mut found = Found { numbers: [0; MOST_FOUND], count: 0 };
-    let mut sum = [0.0; 2];
+    let inverse_support = Lanes::splat(1.0 / support);
+    let mut sum = [Lanes::ZERO; 2];
     for range in cells.near(point, support) {
         for start in range.clone().step_by(WIDTH) {
-            let (dr, dz) = (Lanes::load(&r[start..]) - point_r, Lanes::load(&z[start..]) - point_z);
-            let inside = (dr * dr + dz * dz).less_bits(limit);
-            let inside = inside & (0xff >> (WIDTH - (range.end - start).min(WIDTH)));
-            let numbers = std::array::from_fn(|lane| (start + lane) as u32);
-            if found.is_full() {
-                found.weigh(cells, point, support, &mut sum);
-            }
-            found.add(&pack(&numbers, inside), inside.count_ones() as usize);
+            let load = |column: &[f64]| Lanes::load(&column[start..]);
+            let (dr, dz) = (load(r) - point_r, load(z) - point_z);
+            let distance = dr.mul_add(dr, dz * dz).sqrt();
+            let inside = distance.neg_mul_add(inverse_support, Lanes::ONE).max(Lanes::ZERO);
+            let area = load(area).keep_first((range.end - start).min(WIDTH));
+            let weight = area * inside * inside * inside;
+            sum = [weight.mul_add(dr, sum[0]), weight.mul_add(dz, sum[1])];
         }
     }
-    found.weigh(cells, point, support, &mut sum);
     let factor = 140.0 / (PI * support.powi(4));
-    [factor * sum[0], factor * sum[1]]
-}
-
-/// How many sources are weighed together.
-const MOST_FOUND: usize = 8 * WIDTH;
-
-/// Sources within the support of a particle that are not yet weighed.
-struct Found {
-    numbers: [u32; MOST_FOUND],
-    count: usize,
-}
-
-impl Found {
-    fn is_full(&self) -> bool {
-        self.count + WIDTH > MOST_FOUND
-    }
-
-    #[inline(always)]
-    fn add(&mut self, numbers: &[u32; WIDTH], count: usize) {
-        self.numbers[self.count..self.count + WIDTH].copy_from_slice(numbers);
-        self.count += count;
-    }
-
-    /// Adds the weights of all to `sum`, and is empty then.
-    #[inline(always)]
-    fn weigh(&mut self, cells: &Cells, point: Point, support: f64, sum: &mut Point) {
-        let [point_r, point_z] = point.map(Lanes::splat);
-        let support = Lanes::splat(support);
-        for start in (0..self.count).step_by(WIDTH) {
-            // What lies behind the last one is weighed, too, but not added.
-            let numbers = &self.numbers[start..start + WIDTH];
-            let [r, z, area] = cells.sorted.each_ref().map(|column| {
-                let at = |lane: usize| column[numbers[lane] as usize];
-                Lanes::load(&[at(0), at(1), at(2), at(3), at(4), at(5), at(6), at(7)])
-            });
-            let (dr, dz) = (r - point_r, z - point_z);
-            let rest = Lanes::ONE - (dr * dr + dz * dz).sqrt() / support;
-            let weight = area * rest * rest * rest;
-            let (push_r, push_z) = ((weight * dr).to_array(), (weight * dz).to_array());
-            for lane in 0..WIDTH.min(self.count - start) {
-                sum[0] += push_r[lane];
-                sum[1] += push_z[lane];
-            }
-        }
-        self.count = 0;
-    }
+    sum.map(|sum| factor * sum.sum())
 }
 
 /// Gathers particles, dust and the images of both in `sources`.
