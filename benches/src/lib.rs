@@ -45,7 +45,7 @@ fn read(text: &str, settings: &[&str]) -> Scene {
 /// # Panics
 /// If it can't be started.
 pub fn start(scene: &Scene) -> Simulation {
-    Simulation::new(scene, &mut |_, _| {}).unwrap_or_else(|error| panic!("{error}"))
+    Simulation::new(scene, &mut |_| {}).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Takes steps.

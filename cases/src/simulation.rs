@@ -1,8 +1,8 @@
-//! A scene in motion: filled with particles, settled, then stepped.
+//! A scene in motion: filled with particles, then stepped.
 
 pub mod crash;
 mod restart;
-mod settling;
+mod start;
 
 use crate::assemble::{Assembly, Equation, Physics, PlanLine, assemble};
 use crate::packing::PackingError;
@@ -15,7 +15,7 @@ use meniscus_engine::pipeline::{Cost, Fault, Pipeline, World};
 use meniscus_engine::wiring::WiringError;
 use meniscus_stages::fields;
 use meniscus_stages::liquids::{IdealGas, Linear, MieGrueneisen};
-pub use settling::Settling;
+pub use start::FillProgress;
 
 /// Why a scene can't be set in motion.
 #[derive(Debug, thiserror::Error)]
@@ -31,9 +31,9 @@ pub enum StartError {
     /// The pipeline is wired wrongly, which is a mistake in Meniscus.
     #[error("the pipeline is wired wrongly: {0}")]
     Wiring(#[from] WiringError),
-    /// Settling failed.
-    #[error("the particles could not settle: {0}")]
-    Settling(Fault),
+    /// The first state can't move.
+    #[error("the particles could not start: {0}")]
+    FirstState(Fault),
     /// A checkpoint doesn't fit the scene.
     #[error("the checkpoint does not fit its scene: {0}")]
     Checkpoint(String),
@@ -49,12 +49,6 @@ pub struct Simulation {
     pub plan: Vec<PlanLine>,
     pipeline: Pipeline,
 }
-
-/// Settling: how far it has come, in capillary times, and how far it goes.
-pub type SettleProgress<'a> = &'a mut dyn FnMut(f64, f64);
-
-/// How long particles settle where the scene doesn't say, in capillary times.
-pub const SETTLE: f64 = 3.0;
 
 impl Physics {
     /// What a scene models.
@@ -115,20 +109,6 @@ fn rest_pressure(scene: &Scene) -> f64 {
 }
 
 impl Simulation {
-    /// Fills the scene's bodies, lets the particles settle with the first-order flux, then gives them
-    /// their initial velocities (method.md, section 10, "Packing" and "Rest").
-    ///
-    /// # Errors
-    /// A body that can't be filled, or particles that don't settle.
-    pub fn new(scene: &Scene, progress: SettleProgress) -> Result<Self, StartError> {
-        let mut settling = Settling::begin(scene)?;
-        while !settling.is_over() {
-            settling.step()?;
-            progress(settling.time(), settling.end());
-        }
-        settling.finish(scene)
-    }
-
     fn of_count(physics: &Physics, count: usize) -> Result<Self, StartError> {
         let Assembly { wiring, pipeline, plan } = assemble(physics)?;
         let mut store = wiring.allocate(count);

@@ -190,18 +190,6 @@ impl Store {
         self.columns.iter().map(|(_, values)| column(&values.borrow())).sum()
     }
 
-    /// Takes over the State columns that both have, and leaves zeros.
-    pub fn adopt(&mut self, other: &mut Store) {
-        self.is_changed = true;
-        for (description, column) in &mut self.columns {
-            let both = other.columns.iter_mut().find(|(theirs, _)| theirs == description);
-            let both = both.filter(|_| description.role == Role::State && self.len == other.len);
-            if let Some((_, theirs)) = both {
-                std::mem::swap(column, theirs);
-            }
-        }
-    }
-
     /// Lends the memory of as many Derived columns, or takes it back: swaps both. What comes back must be as long at
     /// least. Only between steps and in their first stage, when nobody expects anything there.
     pub fn swap_derived(&mut self, scratch: &mut [Vec<f64>]) {

@@ -20,7 +20,6 @@ shape = { sphere = { radius = "1 um" } }
 velocity = { r = "-0.1 m/s * r/(1 um)", z = "0.2 m/s * z/(1 um)" }
 [particles]
 size = "190 nm"
-settle = 0
 [run]
 until = "1 us"
 "#;
@@ -142,7 +141,7 @@ pub fn small() -> &'static Scene {
 pub fn valid() -> &'static Checkpoint {
     static CHECKPOINT: OnceLock<Checkpoint> = OnceLock::new();
     CHECKPOINT.get_or_init(|| {
-        let mut simulation = Simulation::new(small(), &mut |_, _| {}).expect("a start");
+        let mut simulation = Simulation::new(small(), &mut |_| {}).expect("a start");
         (0..5).for_each(|_| simulation.step().expect("a step"));
         simulation.checkpoint(small())
     })

@@ -109,7 +109,7 @@ fn nearest_angle([a, c]: [f64; 2], [r, z]: [f64; 2]) -> f64 {
 pub fn scene(bodies: &str, resolution: f64) -> Simulation {
     let text = format!(
         "format = 1\n[liquid]\ndensity = \"1000 kg/m3\"\nsurface_tension = \"{TENSION} N/m\"\n{bodies}\n\
-         [particles]\nsize = \"{} um\"\nsettle = 0\n[run]\nuntil = \"1 ms\"\n",
+         [particles]\nsize = \"{} um\"\n[run]\nuntil = \"1 ms\"\n",
         1.0 / resolution
     );
     drops::start(&drops::scene(&text, &[]))

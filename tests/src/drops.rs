@@ -23,7 +23,6 @@ shape = { sphere = { radius = "radius", centre = "0 m" } }
 velocity = { r = "-amplitude*capillary_velocity*(r/radius)/2", z = "amplitude*capillary_velocity*z/radius" }
 [particles]
 size = "radius/resolution"
-settle = 0
 [run]
 until = "8 * sqrt(density*radius^3/surface_tension)"
 "#;
@@ -50,7 +49,7 @@ pub fn drop(settings: &[&str]) -> Scene {
 /// # Panics
 /// If it cannot be set in motion.
 pub fn start(scene: &Scene) -> Simulation {
-    match Simulation::new(scene, &mut |_, _| {}) {
+    match Simulation::new(scene, &mut |_| {}) {
         Ok(simulation) => simulation,
         Err(error) => panic!("{error}"),
     }

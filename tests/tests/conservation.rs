@@ -20,7 +20,6 @@ shape = { sphere = { radius = "0.7 um", centre = "0.75 um" } }
 velocity = { z = "-5 m/s" }
 [particles]
 size = "0.1 um"
-settle = 0
 [run]
 until = "1 us"
 "#;

@@ -38,7 +38,7 @@ Examples:
   meniscus plan cases/laplace-drop/scene.toml                the stages, and how long a run takes
   meniscus plan drop.toml --set particle_size='20 nm' --fields
 
-The time is that of filling, settling, steps and pictures, each measured in a piece of the run as the machine
+The time is that of filling, steps and pictures, each measured in a piece of the run as the machine
 is now; what disks take is not in it.";
 
 const COMPLETIONS_EXAMPLES: &str = "\

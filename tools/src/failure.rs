@@ -52,7 +52,7 @@ impl From<StartError> for Failure {
     fn from(error: StartError) -> Self {
         let code = match error {
             StartError::Packing { .. } | StartError::Checkpoint(_) => BAD_INPUT,
-            StartError::Wiring(_) | StartError::Settling(_) => FAILED,
+            StartError::Wiring(_) | StartError::FirstState(_) => FAILED,
         };
         Self::of(error.to_string(), code)
     }

@@ -74,8 +74,7 @@ fn print_costs(scene: &Scene) -> Result<(), Failure> {
     println!("\n{}", sound_speed_sentence(scene));
     println!("{} particles of {}", grouped(particles), quantity(scene.particle_size, "m", 3));
     println!("time step {}, bounded as {bound}", quantity(costs.step_size, "s", 3));
-    let (end, settling) = (quantity(scene.until, "s", 4), grouped(costs.settling_steps));
-    println!("about {} steps to {end}, after {settling} to settle", grouped(costs.steps));
+    println!("about {} steps to {}", grouped(costs.steps), quantity(scene.until, "s", 4));
     println!("memory about {} MB", quantity(costs.simulation.bytes() as f64 / 1e6, "", 3));
     println!(
         "about {} on {} (measured over {})",
@@ -84,7 +83,7 @@ fn print_costs(scene: &Scene) -> Result<(), Failure> {
         duration(costs.measured),
     );
     println!(
-        "  {} until the particles are placed and have settled, {} for the steps, {} for pictures",
+        "  {} until the particles are placed, {} for the steps, {} for pictures",
         duration(costs.start_seconds),
         duration(costs.step_seconds * costs.steps as f64),
         duration(costs.picture_seconds),

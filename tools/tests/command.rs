@@ -17,7 +17,6 @@ shape = { sphere = { radius = "radius" } }
 velocity = { r = "-0.1 m/s * r/radius", z = "0.2 m/s * z/radius" }
 [particles]
 size = "90 nm"
-settle = 0.1
 [run]
 until = "60 ns"
 [output]

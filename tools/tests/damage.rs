@@ -19,7 +19,6 @@ surface_tension = "0.074 N/m"
 shape = { sphere = { radius = "1 um" } }
 [particles]
 size = "100 nm"
-settle = 0.02
 [run]
 until = "1 s"
 steps = 60

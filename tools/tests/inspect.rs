@@ -20,7 +20,6 @@ shape = { sphere = { radius = "0.5 um", centre = "3 um" } }
 velocity = { z = "2 m/s" }
 [particles]
 size = "100 nm"
-settle = 0.1
 [run]
 until = "1 us"
 steps = 20

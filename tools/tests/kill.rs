@@ -26,7 +26,6 @@ shape = { sphere = { radius = "1 um" } }
 velocity = { r = "-0.1 m/s * r/(1 um)", z = "0.2 m/s * z/(1 um)" }
 [particles]
 size = "100 nm"
-settle = 0.05
 [run]
 until = "1 s"
 steps = 150
@@ -128,7 +127,7 @@ fn a_killed_run_ends_as_an_uninterrupted_one() {
     let duration = started.elapsed().as_micros() as u64;
     let expected = results(&scene.path("whole"));
 
-    let (mut kills, mut in_writes, mut runs, mut settling) = (0, 0, 0, 0);
+    let (mut kills, mut in_writes, mut runs, mut placing) = (0, 0, 0, 0);
     while kills < wanted {
         let run = format!("killed-{runs}");
         // Until a run comes to its end it is killed again and again, on one and two threads.
@@ -145,7 +144,7 @@ fn a_killed_run_ends_as_an_uninterrupted_one() {
             }
             kills += 1;
             in_writes += usize::from(unfinished(&scene.path(&run)));
-            settling += usize::from(!scene.path(&run).join("series.csv").exists());
+            placing += usize::from(!scene.path(&run).join("series.csv").exists());
         }
         runs += 1;
         let found = results(&scene.path(&run));
@@ -155,8 +154,8 @@ fn a_killed_run_ends_as_an_uninterrupted_one() {
         fs::remove_dir_all(scene.path(&run)).unwrap();
     }
     println!(
-        "{kills} kills of {runs} runs, {in_writes} within the writing of a checkpoint, {settling} before \
-         the particles had settled: all ended like the uninterrupted one"
+        "{kills} kills of {runs} runs, {in_writes} within the writing of a checkpoint, {placing} before \
+         the particles were placed: all ended like the uninterrupted one"
     );
 }
 
@@ -168,25 +167,6 @@ fn wait_for(child: &mut Child, condition: impl Fn() -> bool) {
         assert!(started.elapsed() < Duration::from_secs(60), "the run does not get there");
         sleep(Duration::from_millis(5));
     }
-}
-
-#[test]
-fn settling_particles_stop_and_go_on() {
-    let scene = Scene::new(&DROP.replace("settle = 0.05", "settle = 3.0").replace("every = 4", "every = 0"));
-    assert!(scene.start(&["run", "drop.toml", "--out", "whole"], 1).wait().unwrap().success());
-    let settling = scene.path("run/checkpoints/settling.meniscus");
-    let mut child = scene.start(&["run", "drop.toml", "--out", "run"], 2);
-    wait_for(&mut child, || scene.path("run/scene.toml").exists());
-    // Asked for a checkpoint it goes on, told to stop it stops, whatever it is doing.
-    signal(&child, "-USR1");
-    wait_for(&mut child, || settling.exists());
-    signal(&child, "-TERM");
-    assert_eq!(child.wait().unwrap().code(), Some(130));
-    assert!(settling.exists());
-    assert!(!scene.path("run/series.csv").exists(), "it was still settling");
-    assert!(scene.start(&["resume", "run"], 1).wait().unwrap().success());
-    assert!(!settling.exists(), "nothing is left of it");
-    assert!(results(&scene.path("whole")) == results(&scene.path("run")));
 }
 
 #[test]

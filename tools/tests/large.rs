@@ -107,7 +107,6 @@ shape = { sphere = { radius = "1 um" } }
 velocity = { r = "-0.1 m/s * r/(1 um)", z = "0.2 m/s * z/(1 um)" }
 [particles]
 size = "1 um/797.9"
-settle = 0.0001
 [run]
 until = "1 s"
 steps = 40

@@ -17,7 +17,6 @@ shape = { sphere = { radius = "radius" } }
 velocity = { r = "-0.1 m/s * r/radius", z = "0.2 m/s * z/radius" }
 [particles]
 size = "30 nm"
-settle = 2
 [run]
 until = "600 ns"
 [output]
@@ -56,7 +55,7 @@ fn a_plan_foretells_steps_and_time_and_writes_nothing() {
     let folder = place.path();
     fs::write(folder.join("drop.toml"), DROP).unwrap();
     let plan = meniscus(folder, &["plan", "drop.toml", "--threads", "1"]);
-    assert!(plan.contains("(measured over ") && plan.contains("have settled"), "{plan}");
+    assert!(plan.contains("(measured over ") && plan.contains("are placed"), "{plan}");
     assert_eq!(fs::read_dir(folder).unwrap().count(), 1);
     meniscus(folder, &["run", "drop.toml", "--threads", "1", "--quiet", "--out", "run"]);
     let summary = fs::read_to_string(folder.join("run/summary.json")).unwrap();

@@ -20,7 +20,6 @@ shape = { sphere = { radius = "radius" } }
 velocity = { r = "-0.1 m/s * r/radius", z = "0.2 m/s * z/radius" }
 [particles]
 size = "25 nm"
-settle = 0
 [run]
 until = "1 ms"
 steps = 230

@@ -24,7 +24,6 @@ shape = { sphere = { radius = "1 um" } }
 velocity = { r = "-0.1 m/s * r/(1 um)", z = "0.2 m/s * z/(1 um)" }
 [particles]
 size = "80 nm"
-settle = 0.05
 [run]
 until = "1 s"
 [output]

@@ -17,7 +17,6 @@ surface_tension = "0.074 N/m"
 shape = { sphere = { radius = "radius" } }
 [particles]
 size = "particle_size"
-settle = 0.1
 [run]
 until = "100 ns"
 [[measure]]

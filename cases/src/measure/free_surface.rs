@@ -119,10 +119,10 @@ mod tests {
     fn started(bodies: &str) -> (Scene, Simulation) {
         let scene = format!(
             "format = 1\n[liquid]\ndensity = \"1000 kg/m3\"\nsurface_tension = \"0.074 N/m\"\n{bodies}\n\
-             [particles]\nsize = \"50 nm\"\nsettle = 0\n[run]\nuntil = \"1 us\"\n"
+             [particles]\nsize = \"50 nm\"\n[run]\nuntil = \"1 us\"\n"
         );
         let scene = parse("surface.toml", &scene, &[]).unwrap();
-        let simulation = Simulation::new(&scene, &mut |_, _| {}).unwrap();
+        let simulation = Simulation::new(&scene, &mut |_| {}).unwrap();
         (scene, simulation)
     }
 

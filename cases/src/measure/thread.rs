@@ -169,11 +169,11 @@ mod tests {
         let scene = format!(
             "format = 1\n[liquid]\ndensity = \"1000 kg/m3\"\nsurface_tension = \"0.074 N/m\"\n\
              [domain]\nperiod = \"6 um\"\n[[body]]\nshape = {thread}\n\
-             [particles]\nsize = \"50 nm\"\nsettle = 0\n[run]\nuntil = \"1 us\"\n\
+             [particles]\nsize = \"50 nm\"\n[run]\nuntil = \"1 us\"\n\
              [[measure]]\npinch-off = {{ radius = \"1 um\", wavenumber = 0.6, speed = \"1 m/s\" }}\n"
         );
         let scene = parse("thread.toml", &scene, &[]).unwrap();
-        let simulation = Simulation::new(&scene, &mut |_, _| {}).unwrap();
+        let simulation = Simulation::new(&scene, &mut |_| {}).unwrap();
         let row = Observer::new(&scene, &simulation).observe(&simulation);
         let found = row[row.len() - 1] / 0.8e-6;
         assert!((0.98..1.005).contains(&found), "{found}");

@@ -44,7 +44,7 @@ pub struct Packing {
 pub struct PackingOptions {
     /// Particle size D in metres; a particle's area is about D^2.
     pub particle_size: f64,
-    /// Number of relaxation steps; 600 settle a packing.
+    /// Number of relaxation steps; 400 settle a packing.
     pub iterations: usize,
     /// Selects one of many equally good packings.
     pub seed: u64,
@@ -58,9 +58,14 @@ pub struct PackingOptions {
 }
 
 impl PackingOptions {
-    /// The defaults for particles of size `particle_size` (metres): 600 steps, an axis at r = 0.
+    /// The defaults for particles of size `particle_size` (metres): 400 steps, an axis at r = 0.
     pub fn new(particle_size: f64) -> Self {
-        Self { particle_size, iterations: 600, seed: 1, period: None, origin: 0.0, volume: None }
+        Self { particle_size, iterations: 400, seed: 1, period: None, origin: 0.0, volume: None }
+    }
+
+    /// Relaxation steps after each levelling of the outermost layer.
+    fn levelling(&self) -> usize {
+        self.iterations / 20
     }
 }
 
@@ -161,29 +166,39 @@ impl Filling {
     }
 
     /// Relaxes all that move, and then lifts or lowers the outermost layer until the contour is at the boundary.
-    fn settle(&mut self, domain: &Domain, options: &PackingOptions, volume: f64) {
-        relax::relax(domain, &mut self.moving, &self.met, options.iterations);
+    fn settle(&mut self, domain: &Domain, options: &PackingOptions, volume: f64, moved: &mut dyn FnMut()) {
+        relax::relax(domain, (&mut self.moving, &self.met), options.iterations, moved);
         let (mut layer, outside) = (relax::DEPTH, level::outside(domain));
         for _ in 0..LEVELLINGS {
             let area = self.area(options, volume);
             layer -= level::gap(domain, (&self.moving, &self.met), &outside, area);
             // In a body of a few particles there is no layer to speak of.
             layer = layer.clamp(relax::DEPTH - MOST_LIFT, relax::DEPTH + MOST_LIFT);
-            relax::go_on(domain, &mut self.moving, &self.met, options.iterations / 20, layer);
+            relax::go_on(domain, (&mut self.moving, &self.met), (options.levelling(), layer), moved);
         }
     }
 }
 
-/// Fills `region` with particles of equal area, but for some per cent at its boundary.
+/// Fills `region` with particles of equal area, but for some per cent at its boundary. `progress` is told which
+/// part of that is done, from 0 to 1.
 ///
 /// # Errors
 /// Options or a region that make no sense, no or too many particles, or particles at area D^2 whose
 /// volume is more than 2 % (and the rounding to whole particles) off the region's.
-pub fn pack(region: &dyn Region, options: &PackingOptions) -> Result<Packing, PackingError> {
+pub fn pack(
+    region: &dyn Region,
+    options: &PackingOptions,
+    progress: &mut dyn FnMut(f64),
+) -> Result<Packing, PackingError> {
     let domain = Domain::new(region, options)?;
     let expected = options.volume.unwrap_or_else(|| region.volume());
     let mut filling = Filling::start(&domain, options);
-    filling.settle(&domain, options, expected);
+    let steps = options.iterations + LEVELLINGS * options.levelling();
+    let mut done = 0;
+    filling.settle(&domain, options, expected, &mut || {
+        done += 1;
+        progress(done as f64 / steps as f64);
+    });
     let area = filling.area(options, expected);
     let mut shares = vec![1.0; filling.still.len()];
     shares.extend(share::shares(&domain, &filling.moving, &filling.met, area));

@@ -3,9 +3,12 @@
 //! ```text
 //! repeat, stage by stage
 //!   sources = particles + dust outside, then their images at the axis, then those of the period
-//!   for each particle   x -= 0.25 D^2 sum over sources of V grad W
+//!   for each particle   s = i s - 0.25 D^2 sum over sources of V grad W
+//!                       x += s
 //!                       hold it at the depth of the outermost layer
 //! ```
+//! To take the part i of the step before again (Polyak's heavy ball) levels what is too dense over many particles
+//! 1/(1 - i) times as fast.
 
 use super::cells::Cells;
 use super::domain::{Domain, Point, Source};
@@ -31,42 +34,55 @@ struct Stage {
     support: f64,
     /// Shallower particles are moved to the depth of the outermost layer, be it outwards or inwards.
     capture: f64,
+    /// Part of the step before that is taken again.
+    inertia: f64,
 }
 
 /// A wide kernel levels the density and prefers no lattice: the square and the hexagonal one have
 /// the same energy at support 2.8. A short one evens the distances to the next neighbours. The last
 /// has the support of the flow's usual kernel, so that it starts near its equilibrium. (At support
 /// 3 the square lattice would win, and single particles stay below the outermost layer unless they
-/// are drawn into it.)
+/// are drawn into it.) With inertia the short kernels would order the particles in large crystals, whose stiffness
+/// slows flows down: jets would grow .1 to .4 % too slowly.
 const STAGES: [Stage; 3] = [
-    Stage { share: 0.4, support: REACH, capture: DEPTH },
-    Stage { share: 0.4, support: 1.8, capture: CAPTURE },
-    Stage { share: 0.2, support: 2.0, capture: CAPTURE },
+    Stage { share: 0.4, support: REACH, capture: DEPTH, inertia: 0.8 },
+    Stage { share: 0.4, support: 1.8, capture: CAPTURE, inertia: 0.0 },
+    Stage { share: 0.2, support: 2.0, capture: CAPTURE, inertia: 0.0 },
 ];
 
-/// Moves `points`; `fixed` are particles that stay where they are.
-pub(super) fn relax(domain: &Domain, points: &mut [Point], fixed: &[Point], iterations: usize) {
-    run(domain, points, fixed, &STAGES, iterations, DEPTH);
+/// Moves `points`; `fixed` are particles that stay where they are. `moved` is called after each iteration.
+pub(super) fn relax(
+    domain: &Domain,
+    bodies: (&mut [Point], &[Point]),
+    iterations: usize,
+    moved: &mut dyn FnMut(),
+) {
+    run(domain, bodies, &STAGES, (iterations, DEPTH), moved);
 }
 
 /// Goes on from where [`relax`] ended, with the outermost layer at another depth.
-pub(super) fn go_on(domain: &Domain, points: &mut [Point], fixed: &[Point], iterations: usize, depth: f64) {
-    run(domain, points, fixed, &[Stage { share: 1.0, ..STAGES[2] }], iterations, depth);
+pub(super) fn go_on(
+    domain: &Domain,
+    bodies: (&mut [Point], &[Point]),
+    (iterations, depth): (usize, f64),
+    moved: &mut dyn FnMut(),
+) {
+    run(domain, bodies, &[Stage { share: 1.0, ..STAGES[2] }], (iterations, depth), moved);
 }
 
 fn run(
     domain: &Domain,
-    points: &mut [Point],
-    fixed: &[Point],
+    (points, fixed): (&mut [Point], &[Point]),
     stages: &[Stage],
-    iterations: usize,
-    layer: f64,
+    (iterations, layer): (usize, f64),
+    moved: &mut dyn FnMut(),
 ) {
     let mut outside = dust(domain, REACH, DUST);
     outside.extend(fixed.iter().map(|&point| Source { point, area: 1.0 }));
     let (mut sources, mut cells) = (Vec::new(), Cells::default());
     // A lower bound of each particle's depth: only those that may be too shallow are looked up.
     let mut depths = vec![0.0; points.len()];
+    let mut steps = vec![[0.0; 2]; points.len()];
     let mut end = 0.0;
     let mut done = 0;
     for stage in stages {
@@ -74,16 +90,20 @@ fn run(
         while (done as f64) < end && done < iterations {
             gather(domain, points, &outside, &mut sources);
             cells.fill(&sources);
-            points.par_iter_mut().zip(&mut depths).for_each(|(point, depth)| {
-                let [push_r, push_z] = gradient(&cells, *point, stage.support);
-                *point = [point[0] - STEP * push_r, point[1] - STEP * push_z];
-                *depth -= STEP * (push_r * push_r + push_z * push_z).sqrt();
+            points.par_iter_mut().zip(&mut steps).zip(&mut depths).for_each(|((point, step), depth)| {
+                let push = gradient(&cells, *point, stage.support);
+                *step = [0, 1].map(|axis| stage.inertia * step[axis] - STEP * push[axis]);
+                let from = *point;
+                *point = [point[0] + step[0], point[1] + step[1]];
+                *depth -= step[0].hypot(step[1]);
                 if *depth < stage.capture {
                     *depth = hold(domain, point, stage.capture, layer);
+                    *step = [point[0] - from[0], point[1] - from[1]];
                 }
-                wrap(domain, point);
+                wrap(domain, point, step);
             });
             done += 1;
+            moved();
         }
     }
 }
@@ -202,10 +222,10 @@ fn hold(domain: &Domain, point: &mut Point, capture: f64, layer: f64) -> f64 {
     -distance
 }
 
-/// Brings `point` back to r >= 0 and into the periods.
-fn wrap(domain: &Domain, point: &mut Point) {
-    if domain.has_axis {
-        point[0] = point[0].abs();
+/// Brings `point`, which moves by `step`, back to r >= 0 and into the periods.
+fn wrap(domain: &Domain, point: &mut Point, step: &mut Point) {
+    if domain.has_axis && point[0] < 0.0 {
+        (point[0], step[0]) = (-point[0], -step[0]);
     }
     if let Some(width) = domain.period_r {
         point[0] = point[0].rem_euclid(width);

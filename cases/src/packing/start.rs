@@ -58,7 +58,7 @@ pub(super) fn settled_points(
 ) -> Vec<Point> {
     let plane = Domain::tile(TILE);
     let mut tile = points(&plane, seed, plane.count, |_| true);
-    relax(&plane, &mut tile, &[], iterations);
+    relax(&plane, (&mut tile, &[]), iterations, &mut || ());
     let [r_min, r_max, z_min, z_max] = domain.bounds;
     let copies = |width: f64| (width / TILE as f64).ceil() as usize;
     let (columns, rows) = (copies(r_max - r_min), copies(z_max - z_min));

@@ -71,8 +71,6 @@ pub struct Scene {
     pub bodies: Vec<Body>,
     /// Particle size in metres.
     pub particle_size: f64,
-    /// Time to settle before the clock starts, in capillary times.
-    pub settle: Option<f64>,
     /// End of the run in seconds.
     pub until: f64,
     /// Steps at most.

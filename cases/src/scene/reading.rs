@@ -7,7 +7,7 @@ use super::measures::Measure;
 use super::method::Method;
 use super::output::Output;
 use super::parameters::Context;
-use super::quantity::{LENGTH, NUMBER, SQUARED_RATE, TIME};
+use super::quantity::{LENGTH, SQUARED_RATE, TIME};
 use super::section::Section;
 use super::source::syntax;
 use super::{Domain, Scene, body, liquid};
@@ -58,7 +58,7 @@ pub(super) fn scene(name: &str, text: &str) -> Result<(Scene, Vec<Fault>), Fault
     context.check_finite()?;
     let (bodies, shapes): (Vec<_>, Vec<_>) = bodies.into_iter().unzip();
     let particles =
-        Section::new(table.required("particles", "[particles] with size = \"50 nm\"")?, &["size", "settle"])?;
+        Section::new(table.required("particles", "[particles] with size = \"50 nm\"")?, &["size"])?;
     let size = particles.required("size", "size = \"50 nm\"")?;
     let run = Section::new(table.required("run", "[run] with until = \"3 us\"")?, &["until", "steps"])?;
     let base = if paper { Method::paper() } else { Method::defaults() };
@@ -71,7 +71,6 @@ pub(super) fn scene(name: &str, text: &str) -> Result<(Scene, Vec<Fault>), Fault
         parameters: context.parameters(),
         liquid,
         particle_size: size.positive(LENGTH)?,
-        settle: particles.read_or("settle", None, |entry| entry.not_negative(NUMBER).map(Some))?,
         until: run.required("until", "until = \"3 us\"")?.positive(TIME)?,
         steps: run.read_or("steps", None, |entry| entry.count(1).map(Some))?,
         central_force: table.read_or("forces", 0.0, forces)?,

@@ -39,7 +39,7 @@ impl Simulation {
     }
 
     /// Shows the state with more numbers on its clock.
-    pub(super) fn lend<R>(
+    fn lend<R>(
         &self,
         scene: &Scene,
         scalars: Vec<(String, f64)>,
@@ -65,21 +65,13 @@ impl Simulation {
     /// # Errors
     /// Columns that are missing, of another type or length, or hold values that no state can have.
     pub fn resume(scene: &Scene, checkpoint: &Checkpoint) -> Result<Self, StartError> {
-        Self::restore(&Physics::of(scene), scene.domain.origin, checkpoint)
-    }
-
-    /// The particles of a checkpoint in a pipeline of the given physics.
-    pub(super) fn restore(
-        physics: &Physics,
-        origin: f64,
-        checkpoint: &Checkpoint,
-    ) -> Result<Self, StartError> {
-        let Assembly { wiring, pipeline, plan } = assemble(physics)?;
+        let physics = Physics::of(scene);
+        let Assembly { wiring, pipeline, plan } = assemble(&physics)?;
         let mut store = wiring.allocate(checkpoint.particles());
         let clock = read_clock(&checkpoint.clock).map_err(StartError::Checkpoint)?;
         take_columns(&mut store, checkpoint).map_err(StartError::Checkpoint)?;
-        check_state(&store, origin).map_err(StartError::Checkpoint)?;
-        Ok(Simulation { physics: physics.clone(), world: World::new(store, clock), plan, pipeline })
+        check_state(&store, scene.domain.origin).map_err(StartError::Checkpoint)?;
+        Ok(Simulation { physics, world: World::new(store, clock), plan, pipeline })
     }
 }
 

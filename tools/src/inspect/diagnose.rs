@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use meniscus_cases::measure::Observer;
 use meniscus_cases::scene::Scene;
-use meniscus_cases::simulation::{Settling, Simulation};
+use meniscus_cases::simulation::Simulation;
 use meniscus_engine::checkpoint::{Checkpoint, ColumnView, read};
 use serde::Serialize;
 
@@ -90,10 +90,9 @@ impl Diagnosis {
     /// Takes the totals as a run does, and one step to learn its bounds. Where the state is none that
     /// can move, sums over the columns must do.
     fn move_on(&mut self, scene: &Scene, checkpoint: &Checkpoint, columns: &[ColumnView<'_>]) {
-        let resumed = match Settling::wrote(checkpoint) {
-            true => Err("the particles still settle".to_owned()),
-            false if self.crash.is_some() => Err("the run broke down here".to_owned()),
-            false => Simulation::resume(scene, checkpoint).map_err(|error| error.to_string()),
+        let resumed = match self.crash {
+            Some(_) => Err("the run broke down here".to_owned()),
+            None => Simulation::resume(scene, checkpoint).map_err(|error| error.to_string()),
         };
         let mut simulation = match resumed {
             Ok(simulation) => simulation,

@@ -6,7 +6,6 @@ use meniscus_cases::scene::{self, Scene};
 use meniscus_engine::checkpoint::{ColumnView, Mapped, list, list_crashes};
 
 use super::failure::Failure;
-use crate::output::folder::SETTLING;
 
 /// Opens the checkpoint that a path means, and checks every byte of it.
 pub fn open(path: &Path) -> Result<Mapped, Failure> {
@@ -16,8 +15,7 @@ pub fn open(path: &Path) -> Result<Mapped, Failure> {
 }
 
 /// The checkpoint that a path means: itself, or the newest of a folder. Where a run broke down after its
-/// last checkpoint, or right at it, that is the state of the crash; before the first one that of the
-/// particles that still settle.
+/// last checkpoint, or right at it, that is the state of the crash.
 pub fn newest(path: &Path) -> Result<PathBuf, Failure> {
     if !path.is_dir() {
         return Ok(path.to_path_buf());
@@ -25,10 +23,8 @@ pub fn newest(path: &Path) -> Result<PathBuf, Failure> {
     let folder = checkpoints(path);
     let all = list(&folder)?.into_iter().chain(list_crashes(&folder)?);
     // Of equal steps the last one counts: the crash.
-    let settling = folder.join(SETTLING);
     match all.max_by_key(|(step, _)| *step) {
         Some((_, newest)) => Ok(newest),
-        None if settling.is_file() => Ok(settling),
         None => Err(Failure::NoCheckpoint { folder: path.to_path_buf() }),
     }
 }

@@ -14,8 +14,6 @@ const FILES: [&str; 5] = ["summary.json", "series.csv", "particles.pvd", "scene.
 const FOLDERS: [&str; 2] = ["checkpoints", "frames"];
 /// Endings of the pictures that a run makes at the top of its folder.
 const PICTURES: [&str; 2] = ["png", "svg"];
-/// The state of the particles that still settle, among the checkpoints.
-pub const SETTLING: &str = "settling.meniscus";
 /// Any one of these shows that a folder was made by a run. A scene file does
 /// not: it may be the user's own.
 const SIGNS: [&str; 3] = ["summary.json", "series.csv", "checkpoints"];
@@ -122,11 +120,6 @@ impl RunFolder {
     /// When the file cannot be written.
     pub fn write_scene(&self, text: &str) -> OutputResult<()> {
         write_atomic(&self.scene(), |file| file.write_all(text.as_bytes()))
-    }
-
-    /// The state of the particles that still settle.
-    pub fn settling(&self) -> PathBuf {
-        self.checkpoints().join(SETTLING)
     }
 
     /// The trace of a profiled run.

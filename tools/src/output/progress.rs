@@ -14,9 +14,10 @@ const REDRAW: Duration = Duration::from_millis(100);
 
 /// Progress of a run, shown on standard error.
 pub struct Progress {
-    total_time: f64,
+    /// Simulated seconds, or one.
+    total: f64,
     started: Instant,
-    first_time: Option<f64>,
+    first: Option<f64>,
     shown: Instant,
     shown_fraction: f64,
     what: String,
@@ -45,6 +46,11 @@ impl Progress {
         Self::with(total_time, what, Display::Bar(bar))
     }
 
+    /// Progress of something that has no simulated time.
+    pub fn of_part(what: &str) -> Self {
+        Self::new(1.0, what)
+    }
+
     /// Progress as plain lines to any writer.
     pub fn to_writer(total_time: f64, what: &str, writer: Box<dyn Write + Send>) -> Self {
         Self::with(total_time, what, Display::Lines(writer))
@@ -61,12 +67,12 @@ impl Progress {
         Self::with(1.0, "", Display::Quiet)
     }
 
-    fn with(total_time: f64, what: &str, display: Display) -> Self {
+    fn with(total: f64, what: &str, display: Display) -> Self {
         let now = Instant::now();
         Self {
-            total_time,
+            total,
             started: now,
-            first_time: None,
+            first: None,
             shown: now,
             shown_fraction: 0.0,
             what: what.to_owned(),
@@ -78,9 +84,22 @@ impl Progress {
     /// Tells that `step` steps are done, up to the simulated `time`, the last
     /// of size `step_size` (both in seconds). Cheap enough for every step.
     pub fn update(&mut self, step: u64, time: f64, step_size: f64) {
+        self.show(time, step_size, || {
+            let (time, step_size) = (quantity(time, "s", 4), quantity(step_size, "s", 3));
+            format!("t = {time}  dt = {step_size}  step {}  ", grouped(step))
+        });
+    }
+
+    /// Tells which part is done, from 0 to 1, where [`Self::of_part`] began.
+    pub fn update_part(&mut self, part: f64) {
+        self.show(part, part, String::new);
+    }
+
+    /// Shows that `done` of the total is done, `last` of it since the call before, and what more is to be said.
+    fn show(&mut self, done: f64, last: f64, what: impl FnOnce() -> String) {
         // A resumed run starts late: only what it has done itself tells its pace.
-        let first_time = *self.first_time.get_or_insert(time - step_size);
-        let fraction = (time / self.total_time).clamp(0.0, 1.0);
+        let first = *self.first.get_or_insert(done - last);
+        let fraction = (done / self.total).clamp(0.0, 1.0);
         let since_shown = self.shown.elapsed();
         let due = match self.display {
             Display::Quiet => false,
@@ -93,14 +112,12 @@ impl Progress {
         self.shown = Instant::now();
         self.shown_fraction = fraction;
         let elapsed = self.started.elapsed().as_secs_f64();
-        let to_do = (self.total_time - time).max(0.0) + self.later * self.total_time;
-        let left = elapsed * to_do / (time - first_time);
+        let to_do = (self.total - done).max(0.0) + self.later * self.total;
+        let left = elapsed * to_do / (done - first);
         let state = format!(
-            "{:3.0} %  t = {}  dt = {}  step {}  {} left{}",
+            "{:3.0} %  {}{} left{}",
             (fraction * 100.0).floor(),
-            quantity(time, "s", 4),
-            quantity(step_size, "s", 3),
-            grouped(step),
+            what(),
             remaining(left),
             if self.later > 0.0 { " in all" } else { "" },
         );

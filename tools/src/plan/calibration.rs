@@ -1,15 +1,15 @@
-//! What a run would cost, from a short piece of it: filled, settled for a while, and run for a while.
+//! What a run would cost, from a short piece of it: filled, and run for a while.
 
 use std::time::{Duration, Instant};
 
 use meniscus_cases::measure::Observer;
 use meniscus_cases::scene::Scene;
-use meniscus_cases::simulation::{Settling, Simulation};
+use meniscus_cases::simulation::Simulation;
 
 use crate::failure::Failure;
 use crate::run;
 
-/// Elapsed time of a trial of steps; particles settle for half of it at most.
+/// Elapsed time of a trial of steps.
 const TRIAL: Duration = Duration::from_secs(1);
 /// Steps that a trial takes at least, however long they last, after those that warm it up.
 const LEAST: u64 = 20;
@@ -19,13 +19,11 @@ const WARM_UP: u64 = 10;
 pub(super) struct Calibration {
     /// The scene where the trial has left it.
     pub(super) simulation: Simulation,
-    /// Time steps while particles settle.
-    pub(super) settling_steps: u64,
-    /// Time steps from then on.
+    /// Time steps.
     pub(super) steps: u64,
     /// Length of a step at the end of the trial, s.
     pub(super) step_size: f64,
-    /// Seconds to fill the bodies and let the particles settle.
+    /// Seconds to fill the bodies.
     pub(super) start_seconds: f64,
     /// Seconds of a step, with the observations of the series.
     pub(super) step_seconds: f64,
@@ -45,13 +43,13 @@ impl Calibration {
 /// Fills the scene and runs pieces of it. Nothing is written.
 pub(super) fn calibrate(scene: &Scene) -> Result<Calibration, Failure> {
     let begun = Instant::now();
-    let (mut simulation, start_seconds, settling_steps) = settle(scene)?;
+    let mut simulation = Simulation::new(scene, &mut |_| ())?;
+    let start_seconds = begun.elapsed().as_secs_f64();
     let trial = Trial::run(scene, &mut simulation)?;
     let picture_seconds = pictures(scene, &simulation)?;
     let clock = &simulation.world.clock;
     let left = ((scene.until - clock.time).max(0.0) / trial.step_size).ceil() as u64;
     Ok(Calibration {
-        settling_steps,
         steps: (clock.step + left).min(scene.steps.unwrap_or(u64::MAX)),
         step_size: trial.step_size,
         start_seconds,
@@ -60,27 +58,6 @@ pub(super) fn calibrate(scene: &Scene) -> Result<Calibration, Failure> {
         measured: begun.elapsed().as_secs_f64(),
         simulation,
     })
-}
-
-/// The scene at the start of its clock, with the seconds and steps that it takes to get there. Particles that
-/// would settle for long start before they have: their steps cost the same.
-fn settle(scene: &Scene) -> Result<(Simulation, f64, u64), Failure> {
-    let begun = Instant::now();
-    let mut settling = Settling::begin(scene)?;
-    let filled = begun.elapsed().as_secs_f64();
-    let settled = Instant::now();
-    while !settling.is_over() && (settling.steps() < LEAST || settled.elapsed() < TRIAL / 2) {
-        settling.step()?;
-    }
-    let part = match settling.is_over() {
-        true => 1.0,
-        false => settling.time() / settling.end(),
-    };
-    let seconds = settled.elapsed().as_secs_f64() / part;
-    let steps = (settling.steps() as f64 / part).ceil() as u64;
-    let turned = Instant::now();
-    let simulation = settling.finish(scene)?;
-    Ok((simulation, filled + seconds + turned.elapsed().as_secs_f64(), steps))
 }
 
 /// Seconds of all pictures. The first one costs more: it finds its fonts.

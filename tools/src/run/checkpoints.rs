@@ -1,14 +1,12 @@
 //! The checkpoints of a run: handed to the system at once, brought to the disk while the run goes on.
 
-use std::fs::{self, File};
-use std::io;
-use std::path::Path;
+use std::fs::File;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use meniscus_cases::scene::Scene;
-use meniscus_cases::simulation::{Settling, Simulation};
-use meniscus_engine::checkpoint::{self, CheckpointError};
+use meniscus_cases::simulation::Simulation;
+use meniscus_engine::checkpoint;
 
 use crate::failure::Failure;
 use crate::output::OutputError;
@@ -53,29 +51,11 @@ impl Checkpoints {
         let (folder, path) = (self.folder.checkpoints(), self.folder.series());
         let name = folder.join(checkpoint::file_name(simulation.world.clock.step));
         let unfinished = simulation.with_checkpoint(scene, |state| checkpoint::begin(&name, state))?;
-        let settling = self.folder.settling();
         self.start(move || {
             series.map_or(Ok(()), |file| file.sync_data()).map_err(OutputError::file("write", &path))?;
             unfinished.finish()?;
-            checkpoint::keep_last(&folder, KEPT)?;
-            Ok(remove(&settling)?)
+            Ok(checkpoint::keep_last(&folder, KEPT)?)
         })
-    }
-
-    /// Writes a checkpoint of particles that settle, over the one before; none where nothing settles.
-    ///
-    /// # Errors
-    /// What went wrong with the checkpoint before.
-    pub(super) fn write_settling(&mut self, settling: &Settling, scene: &Scene) -> Written {
-        self.finish()?;
-        let path = self.folder.settling();
-        match settling.with_checkpoint(scene, |state| checkpoint::begin(&path, state)) {
-            Some(unfinished) => {
-                let unfinished = unfinished?;
-                self.start(move || Ok(unfinished.finish()?))
-            }
-            None => Ok(()),
-        }
     }
 
     /// Waits until all that was to be written lies on the disk.
@@ -103,14 +83,5 @@ impl Drop for Checkpoints {
         if let Some(pending) = self.pending.take() {
             let _ = pending.join();
         }
-    }
-}
-
-fn remove(path: &Path) -> Result<(), CheckpointError> {
-    match fs::remove_file(path) {
-        Err(source) if source.kind() != io::ErrorKind::NotFound => {
-            Err(CheckpointError::Io { path: path.to_path_buf(), action: "remove the file", source })
-        }
-        _ => Ok(()),
     }
 }

@@ -8,7 +8,6 @@ mod profile;
 mod recorder;
 mod report;
 mod resume;
-mod settle;
 mod signals;
 mod stopwatch;
 
@@ -17,7 +16,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 
 use meniscus_cases::scene::{self, Scene};
-use meniscus_cases::simulation::{Settling, Simulation};
+use meniscus_cases::simulation::Simulation;
 use meniscus_engine::checkpoint::Checkpoint;
 use meniscus_engine::pipeline::Fault;
 
@@ -47,8 +46,6 @@ enum End {
 enum Start {
     /// Nothing has been computed yet.
     Scene,
-    /// The particles settle.
-    Settling(Box<Checkpoint>),
     /// The clock has started.
     Running(Box<Checkpoint>),
 }
@@ -56,7 +53,7 @@ enum Start {
 /// What a run costs, and since when.
 struct Costs {
     started: Moment,
-    settling: Stopwatch,
+    filling: Stopwatch,
     steps: Stopwatch,
     first_step: u64,
     profiler: Option<Arc<Profiler>>,
@@ -165,31 +162,32 @@ impl Run {
         eprintln!("results in {}", self.folder.path().display());
     }
 
-    /// Progress of a part of the run, which the rest of the run follows (in simulated seconds, too).
-    fn progress(&self, total: f64, rest: f64, what: &str) -> Progress {
+    /// Progress of the time loop.
+    fn progress(&self) -> Progress {
         match &self.display {
             Display::Quiet => Progress::quiet(),
-            Display::Alone => Progress::new(total, what),
+            Display::Alone => Progress::new(self.scene.until, "running"),
             Display::Among { name, later } => {
-                let later = (rest + later * (self.settling_time() + self.scene.until)) / total;
-                Progress::new(total, &format!("{name}: {what}")).followed_by(later)
+                Progress::new(self.scene.until, &format!("{name}: running")).followed_by(*later)
             }
         }
     }
 
-    /// Simulated seconds to settle.
-    fn settling_time(&self) -> f64 {
-        settling_time(&self.scene)
+    /// Fills the bodies with particles.
+    fn fill(&self) -> Result<Simulation, Failure> {
+        let mut progress = match &self.display {
+            Display::Quiet => Progress::quiet(),
+            Display::Alone => Progress::of_part("placing particles"),
+            Display::Among { name, .. } => Progress::of_part(&format!("{name}: placing particles")),
+        };
+        Ok(Simulation::new(&self.scene, &mut |part| progress.update_part(part))?)
     }
 
     /// Goes from where the run stands to its end.
     fn go(&self, start: Start) -> Result<Summary, Failure> {
-        let mut settling = Stopwatch::default();
+        let mut filling = Stopwatch::default();
         let mut simulation = match start {
-            Start::Scene => settling.time(|| self.settle(Settling::begin(&self.scene)?))?,
-            Start::Settling(checkpoint) => {
-                settling.time(|| self.settle(Settling::resume(&self.scene, &checkpoint)?))?
-            }
+            Start::Scene => filling.time(|| self.fill())?,
             Start::Running(checkpoint) => Simulation::resume(&self.scene, &checkpoint)?,
         };
         if matches!(self.display, Display::Alone) {
@@ -200,10 +198,10 @@ impl Run {
         let mut recorder = open(&self.scene, &self.folder, &simulation)?;
         if begins {
             recorder.record(&simulation)?;
-            // What has settled need not settle again.
+            // What has been placed need not be placed again.
             recorder.checkpoint(&simulation)?;
         }
-        self.go_on(&mut simulation, &mut recorder, settling)
+        self.go_on(&mut simulation, &mut recorder, filling)
     }
 
     /// Steps to the end, and says how it went.
@@ -211,11 +209,11 @@ impl Run {
         &self,
         simulation: &mut Simulation,
         recorder: &mut Recorder,
-        settling: Stopwatch,
+        filling: Stopwatch,
     ) -> Result<Summary, Failure> {
         let mut costs = Costs {
             started: self.started,
-            settling,
+            filling,
             steps: Stopwatch::default(),
             first_step: simulation.world.clock.step,
             profiler: self.profiler.clone(),
@@ -255,7 +253,7 @@ impl Run {
         recorder: &mut Recorder,
         cost: &mut Stopwatch,
     ) -> Result<End, Failure> {
-        let mut progress = self.progress(self.scene.until, 0.0, "running");
+        let mut progress = self.progress();
         while !is_over(&self.scene, simulation.world.clock.step, simulation.world.clock.time) {
             if self.signals.stop() {
                 return Ok(End::Interrupted);
@@ -274,16 +272,6 @@ impl Run {
             progress.update(clock.step, clock.time, clock.previous_step_size);
         }
         Ok(End::Done)
-    }
-}
-
-/// Simulated seconds in which the scene's particles settle before its clock starts.
-pub(crate) fn settling_time(scene: &Scene) -> f64 {
-    if scene.liquid.surface_tension > 0.0 {
-        let times = scene.settle.unwrap_or(meniscus_cases::simulation::SETTLE);
-        times * Simulation::capillary_time(scene)
-    } else {
-        0.0
     }
 }
 

@@ -89,8 +89,8 @@ fn stages(simulation: &Simulation, recorder: &Recorder, costs: &Costs, wall_seco
     let steps = simulation.costs().iter();
     let mut stages: Vec<StageCost> =
         steps.map(|cost| stage(cost.stage, cost.calls, cost.time.as_secs_f64())).collect();
-    if costs.settling.wall > 0.0 {
-        stages.push(stage("packing and settling", 1, costs.settling.wall));
+    if costs.filling.wall > 0.0 {
+        stages.push(stage("packing", 1, costs.filling.wall));
     }
     let taken = simulation.world.clock.step - costs.first_step;
     stages.push(stage(OUTPUTS, taken, recorder.cost.wall));

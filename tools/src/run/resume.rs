@@ -4,7 +4,6 @@ use std::fs;
 use std::process::ExitCode;
 
 use meniscus_cases::scene::{self, Scene};
-use meniscus_cases::simulation::Settling;
 use meniscus_engine::checkpoint::{self, Checkpoint, newest_valid, set_aside};
 
 use super::profile::Profiler;
@@ -44,7 +43,7 @@ struct Found {
     start: Start,
 }
 
-/// The newest whole checkpoint of a run, or of its settling; else its scene.
+/// The newest whole checkpoint of a run; else its scene.
 fn find(folder: &RunFolder) -> Result<Found, Failure> {
     let refuse = |error: checkpoint::CheckpointError| Failure::input(error.to_string());
     let checkpoints = folder.checkpoints();
@@ -54,16 +53,7 @@ fn find(folder: &RunFolder) -> Result<Found, Failure> {
             let aside = set_aside(&damaged).map_err(refuse)?;
             eprintln!("passed over: {error}\nit is now called {}", aside.display());
         }
-        return Found::of(folder, path.display().to_string(), checkpoint, Start::Running);
-    }
-    let settling = folder.settling();
-    match checkpoint::read(&settling) {
-        Ok(checkpoint) if Settling::wrote(&checkpoint) => {
-            return Found::of(folder, settling.display().to_string(), checkpoint, Start::Settling);
-        }
-        Err(error) if settling.exists() && !error.is_damage() => return Err(refuse(error)),
-        Err(error) if settling.exists() => eprintln!("passed over: {error}"),
-        _ => {}
+        return Found::of(folder, path.display().to_string(), checkpoint);
     }
     // Interrupted before its first checkpoint: nothing is lost but the time since its start.
     let path = folder.scene();
@@ -82,7 +72,6 @@ impl Found {
         folder: &RunFolder,
         name: String,
         checkpoint: Checkpoint,
-        start: fn(Box<Checkpoint>) -> Start,
     ) -> Result<Self, Failure> {
         let path = folder.scene();
         if fs::read_to_string(&path).is_ok_and(|text| !same_scene(&text, &checkpoint.scene)) {
@@ -93,7 +82,7 @@ impl Found {
             )));
         }
         let text = checkpoint.scene.clone();
-        Ok(Found { name, text, start: start(Box::new(checkpoint)) })
+        Ok(Found { name, text, start: Start::Running(Box::new(checkpoint)) })
     }
 }
 

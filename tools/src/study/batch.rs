@@ -36,8 +36,7 @@ impl Job {
         let area = |[inner, outer, bottom, top]: [f64; 4]| (outer - inner) * (top - bottom);
         let area: f64 = scene.bodies.iter().map(|body| area(body.shape.bounds())).sum();
         let particles = area / scene.particle_size.powi(2);
-        let time = run::settling_time(scene) + scene.until;
-        particles * time * scene.derived_sound_speed() / scene.particle_size
+        particles * scene.until * scene.derived_sound_speed() / scene.particle_size
     }
 }
 

@@ -88,7 +88,7 @@ pub(super) fn page(cases: &[Case], rows: &[Row]) -> Page {
     });
     let lead = format!(
         "{}. Errors are relative to the exact value, or absolute where zero is exact. Costs are seconds of \
-         one core, packing and settling included. The best mesh code's error is the smallest that any of \
+         one core, packing included. The best mesh code's error is the smallest that any of \
          them reached, with its cost; those were timed apart from ours, so compare costs as orders of magnitude.",
         sentence(&verdict(rows))
     );

@@ -2,7 +2,7 @@ mod shapes;
 
 use super::cells::Cells;
 use super::domain::Domain as PackingDomain;
-use super::{Packing, PackingError, PackingOptions, pack, relax};
+use super::{Packing, PackingError, PackingOptions, relax};
 use crate::region::Region;
 use meniscus_engine::domain::Domain;
 use meniscus_stages::colour_field::{ColourField, Particles};
@@ -12,6 +12,10 @@ use std::f64::consts::PI;
 const SIZE: f64 = 1e-6;
 
 const SPHERE: Disc = Disc { centre: 0.0, radius: 12.0 * SIZE };
+
+fn pack(region: &dyn Region, options: &PackingOptions) -> Result<Packing, PackingError> {
+    super::pack(region, options, &mut |_| ())
+}
 
 fn depths(packing: &Packing, region: &dyn Region) -> Vec<f64> {
     let places = packing.r.iter().zip(&packing.z);

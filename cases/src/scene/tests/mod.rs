@@ -35,7 +35,6 @@ velocity = { r = "-amplitude*capillary_velocity*(r/radius)/2", z = "amplitude*ca
 
 [particles]
 size = "particle_size"
-settle = 3
 
 [run]
 until = "8 * sqrt(density*radius^3/surface_tension)"

@@ -17,7 +17,7 @@ fn the_example_is_read_in_full() {
     assert_eq!(scene.parameters[4].value, None);
     assert_eq!(scene.parameters[0].value.map(|radius| radius.value), Some(2.5e-6));
     assert_eq!((scene.liquid.density, scene.liquid.surface_tension), (1000.0, 0.074));
-    assert_eq!((scene.liquid.sound_speed, scene.particle_size, scene.settle), (None, 7.14e-8, Some(3.0)));
+    assert_eq!((scene.liquid.sound_speed, scene.particle_size), (None, 7.14e-8));
     assert!(close(scene.until, 8.0 * (1000.0 * 2.5e-6_f64.powi(3) / 0.074).sqrt()));
     assert!(matches!(scene.bodies[0].shape, Shape::Sphere { radius: 2.5e-6, centre: 0.0 }));
     let speed = 0.02 * (0.074 / 2.5e-3_f64).sqrt();

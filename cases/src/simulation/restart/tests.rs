@@ -22,7 +22,7 @@ fn scene(set: &[&str]) -> Scene {
 }
 
 fn start(scene: &Scene) -> Simulation {
-    Simulation::new(scene, &mut |_, _| {}).unwrap()
+    Simulation::new(scene, &mut |_| {}).unwrap()
 }
 
 fn run(mut simulation: Simulation, steps: u64) -> Simulation {

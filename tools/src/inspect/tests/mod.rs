@@ -167,13 +167,6 @@ fn one_field_and_one_place_are_shown_to_scripts() {
 }
 
 #[test]
-fn a_run_that_still_settles_shows_its_particles() {
-    let (_folder, run, file) = run_folder();
-    fs::rename(&file, file.with_file_name("settling.meniscus")).unwrap();
-    assert!(good(&[&run]).contains("particles   4"));
-}
-
-#[test]
 fn fields_come_with_their_statistics() {
     let (_folder, run, _) = run_folder();
     let output = good(&["fields", &run]);

@@ -216,12 +216,12 @@ mod tests {
             imbalance: Some(1.0588),
             pairs,
         };
-        let stages = vec![stage("flux", Some(pairs)), stage("packing and settling", None)];
+        let stages = vec![stage("flux", Some(pairs)), stage("packing", None)];
         summary.profile = Some(Profile { stages });
         let mut out = Vec::new();
         print_table(&summary, &mut out).unwrap();
         let text = String::from_utf8(out).unwrap();
-        for part in ["packing and settling", "imbalance", "1.06", "GFLOP/s", "25.8"] {
+        for part in ["packing", "imbalance", "1.06", "GFLOP/s", "25.8"] {
             assert!(text.contains(part), "{part} is not in\n{text}");
         }
         assert!(text.lines().all(|line| line.chars().count() <= 100), "{text}");

@@ -29,7 +29,7 @@ pub(super) const STAGES: u64 = 3;
 /// It observes; what is computed stays the same, bit for bit.
 pub(in crate::run) struct Profiler {
     origin: Instant,
-    /// Off while particles are packed and settle.
+    /// Off while particles are packed.
     recording: AtomicBool,
     /// The first step since the run began, or went on.
     first: AtomicU64,
