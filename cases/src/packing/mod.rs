@@ -167,14 +167,15 @@ impl Filling {
 
     /// Relaxes all that move, and then lifts or lowers the outermost layer until the contour is at the boundary.
     fn settle(&mut self, domain: &Domain, options: &PackingOptions, volume: f64, moved: &mut dyn FnMut()) {
-        relax::relax(domain, (&mut self.moving, &self.met), options.iterations, moved);
+        let surroundings = relax::surroundings(domain, &self.met);
+        relax::relax(domain, (&mut self.moving, &surroundings), options.iterations, moved);
         let (mut layer, outside) = (relax::DEPTH, level::outside(domain));
         for _ in 0..LEVELLINGS {
             let area = self.area(options, volume);
             layer -= level::gap(domain, (&self.moving, &self.met), &outside, area);
             // In a body of a few particles there is no layer to speak of.
             layer = layer.clamp(relax::DEPTH - MOST_LIFT, relax::DEPTH + MOST_LIFT);
-            relax::go_on(domain, (&mut self.moving, &self.met), (options.levelling(), layer), moved);
+            relax::go_on(domain, (&mut self.moving, &surroundings), (options.levelling(), layer), moved);
         }
     }
 }

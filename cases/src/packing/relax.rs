@@ -50,10 +50,17 @@ const STAGES: [Stage; 3] = [
     Stage { share: 0.2, support: 2.0, capture: CAPTURE, inertia: 0.0 },
 ];
 
-/// Moves `points`; `fixed` are particles that stay where they are. `moved` is called after each iteration.
+/// What lies outside of the region, and the particles `fixed` that stay where they are.
+pub(super) fn surroundings(domain: &Domain, fixed: &[Point]) -> Vec<Source> {
+    let mut sources = dust(domain, REACH, DUST);
+    sources.extend(fixed.iter().map(|&point| Source { point, area: 1.0 }));
+    sources
+}
+
+/// Moves particles among their surroundings. `moved` is called after each iteration.
 pub(super) fn relax(
     domain: &Domain,
-    bodies: (&mut [Point], &[Point]),
+    bodies: (&mut [Point], &[Source]),
     iterations: usize,
     moved: &mut dyn FnMut(),
 ) {
@@ -63,7 +70,7 @@ pub(super) fn relax(
 /// Goes on from where [`relax`] ended, with the outermost layer at another depth.
 pub(super) fn go_on(
     domain: &Domain,
-    bodies: (&mut [Point], &[Point]),
+    bodies: (&mut [Point], &[Source]),
     (iterations, depth): (usize, f64),
     moved: &mut dyn FnMut(),
 ) {
@@ -72,13 +79,11 @@ pub(super) fn go_on(
 
 fn run(
     domain: &Domain,
-    (points, fixed): (&mut [Point], &[Point]),
+    (points, surroundings): (&mut [Point], &[Source]),
     stages: &[Stage],
     (iterations, layer): (usize, f64),
     moved: &mut dyn FnMut(),
 ) {
-    let mut outside = dust(domain, REACH, DUST);
-    outside.extend(fixed.iter().map(|&point| Source { point, area: 1.0 }));
     let (mut sources, mut cells) = (Vec::new(), Cells::default());
     // A lower bound of each particle's depth: only those that may be too shallow are looked up.
     let mut depths = vec![0.0; points.len()];
@@ -88,14 +93,14 @@ fn run(
     for stage in stages {
         end += stage.share * iterations as f64;
         while (done as f64) < end && done < iterations {
-            gather(domain, points, &outside, &mut sources);
+            gather(domain, points, surroundings, &mut sources);
             cells.fill(&sources);
             points.par_iter_mut().zip(&mut steps).zip(&mut depths).for_each(|((point, step), depth)| {
                 let push = gradient(&cells, *point, stage.support);
                 *step = [0, 1].map(|axis| stage.inertia * step[axis] - STEP * push[axis]);
                 let from = *point;
                 *point = [point[0] + step[0], point[1] + step[1]];
-                *depth -= step[0].hypot(step[1]);
+                *depth -= (step[0] * step[0] + step[1] * step[1]).sqrt();
                 if *depth < stage.capture {
                     *depth = hold(domain, point, stage.capture, layer);
                     *step = [point[0] - from[0], point[1] - from[1]];
