@@ -1,4 +1,4 @@
-//! What the benchmarks share: scenes without settling, and the one thread on which they run.
+//! What the benchmarks share: scenes, and the one thread on which they run.
 
 pub mod budget;
 pub mod callgrind;
@@ -33,10 +33,9 @@ pub fn drop_of(particles: u64) -> Scene {
     drop_scene(&[&format!("particle_size=radius/{resolution}")])
 }
 
-/// A scene from its text, with settings (`key=value`); its particles don't settle.
+/// A scene from its text, with settings (`key=value`).
 fn read(text: &str, settings: &[&str]) -> Scene {
-    let unsettled = ["particles.settle=0"];
-    let settings: Vec<String> = settings.iter().chain(&unsettled).map(ToString::to_string).collect();
+    let settings: Vec<String> = settings.iter().map(ToString::to_string).collect();
     scene::parse("scene.toml", text, &settings).unwrap_or_else(|diagnosis| panic!("{diagnosis}"))
 }
 

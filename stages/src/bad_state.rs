@@ -25,20 +25,28 @@ impl BadState {
         BadState { stage, origin, identity, state: state.map(|field| wiring.read(field)) }
     }
 
-    /// The first particle whose density, velocity or position is no number or out of bounds.
+    /// The first particle whose density is no number or out of bounds; else velocity; else position, which shifting
+    /// has moved in the same step where a neighbour's density went bad.
     pub(crate) fn first(&self, world: &World) -> Option<Fault> {
         let state = self.state.map(|field| world.store.read(field));
-        let at = |i: usize| [state[0][i], state[1][i], state[2][i], state[3][i], state[4][i]];
-        (0..world.store.len()).find(|&i| !is_sound(at(i), self.origin)).map(|i| self.of(world, i))
+        let bad = |k: usize| (0..world.store.len()).find(|&i| self.is_bad(k, state[k][i])).map(|i| (k, i));
+        (0..NAMES.len()).find_map(bad).map(|(k, i)| self.fault(world, i, NAMES[k], state[k][i]))
     }
 
-    /// What is wrong with a particle.
+    /// What is wrong with a particle, of which something is.
     pub(crate) fn of(&self, world: &World, i: usize) -> Fault {
         let state = self.state.map(|field| world.store.read(field)[i]);
-        let is_bad = |&k: &usize| !state[k].is_finite() || (k == 0 && state[0] <= 0.0);
-        // If nothing else is, the radius is beyond the axis.
-        let k = (0..NAMES.len()).find(is_bad).unwrap_or(NAMES.len() - 1);
+        let k = (0..NAMES.len()).find(|&k| self.is_bad(k, state[k])).unwrap_or_default();
         self.fault(world, i, NAMES[k], state[k])
+    }
+
+    /// Whether a value of the quantity `k` is none that a particle can have.
+    fn is_bad(&self, k: usize, value: f64) -> bool {
+        match NAMES[k] {
+            "density" => !(value > 0.0 && value.is_finite()),
+            "radius" => !(value + self.origin > 0.0 && value.is_finite()),
+            _ => !value.is_finite(),
+        }
     }
 
     /// A quantity of a particle that went bad.

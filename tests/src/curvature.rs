@@ -85,7 +85,7 @@ impl Surface {
         }
     }
 
-    /// A scene of it at rest and not settled, with so many particles to its radius 1.
+    /// A scene of it at rest, with so many particles to its radius 1.
     pub fn start(self, resolution: f64) -> Simulation {
         let (shape, domain) = self.body();
         scene(&format!("{domain}[[body]]\nshape = {{ {shape} }}\n"), resolution)
@@ -105,7 +105,7 @@ fn nearest_angle([a, c]: [f64; 2], [r, z]: [f64; 2]) -> f64 {
     0.5 * (low + high)
 }
 
-/// The start of a scene with the given bodies, so many particles to a [`UNIT`], not settled.
+/// The start of a scene with the given bodies, so many particles to a [`UNIT`].
 pub fn scene(bodies: &str, resolution: f64) -> Simulation {
     let text = format!(
         "format = 1\n[liquid]\ndensity = \"1000 kg/m3\"\nsurface_tension = \"{TENSION} N/m\"\n{bodies}\n\

@@ -3,7 +3,7 @@
 use meniscus_cases::scene::{Scene, parse};
 use meniscus_cases::simulation::Simulation;
 
-/// A drop that oscillates in mode 2: 12 particles across its radius, not settled.
+/// A drop that oscillates in mode 2: 12 particles across its radius.
 const DROP: &str = r#"format = 1
 title = "A drop oscillates"
 [parameters]

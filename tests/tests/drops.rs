@@ -58,7 +58,7 @@ fn fit(samples: &[(f64, f64)], guess: f64) -> Fit {
 
 #[test]
 fn an_oscillating_drop_has_rayleighs_frequency() {
-    let scene = drops::drop(&["particles.settle=3"]);
+    let scene = drops::drop(&[]);
     let mut simulation = drops::start(&scene);
     // omega^2 = l (l - 1)(l + 2) sigma/(rho R^3) with l = 2.
     let exact = 8.0f64.sqrt() / Simulation::capillary_time(&scene);
@@ -87,7 +87,7 @@ fn an_oscillating_drop_has_rayleighs_frequency() {
 /// times, and the speed over the capillary velocity after one and five.
 fn rest(resolution: u32) -> (f64, f64, f64) {
     let resolution = format!("resolution={resolution}");
-    let scene = drops::drop(&["amplitude=0", "particles.settle=3", &resolution]);
+    let scene = drops::drop(&["amplitude=0", &resolution]);
     let mut simulation = drops::start(&scene);
     let unit = Simulation::capillary_time(&scene);
     let (mut early, mut pressure, mut count) = (0.0, 0.0, 0.0);
@@ -116,16 +116,15 @@ fn a_resting_drop_holds_laplaces_pressure() {
     // Packings scatter by less than .1 %.
     let (coarse, early, late) = rest(12);
     assert!(coarse.abs() < 0.003, "{coarse}");
-    // A start whose outermost layer undulates leaves 1e-3 in undamped modes; one that doesn't 1e-6, and that stays.
-    assert!(late < 4e-6 && early < 4e-6, "{early:e} {late:e}");
+    // A start whose outermost layer undulates leaves 1e-3 in undamped modes; one that doesn't 5e-6 at first, which dies.
+    assert!(early < 1e-5 && late < 4e-6, "{early:e} {late:e}");
     let (fine, ..) = rest(18);
     assert!(fine.abs() < 0.003, "{fine}");
 }
 
 /// Steps a drop; it must stay finite and bound.
 fn survives(settings: &[&str]) {
-    let settings: Vec<&str> = settings.iter().copied().chain(["particles.settle=0.3"]).collect();
-    let scene = drops::drop(&settings);
+    let scene = drops::drop(settings);
     let mut simulation = drops::start(&scene);
     drops::advance(&mut simulation, 200);
     assert!(is_finite(&simulation), "{settings:?}");

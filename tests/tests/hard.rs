@@ -16,8 +16,9 @@ const GATHERED: f64 = 6.0;
 const ROUNDING: f64 = 1e-12;
 
 /// What shifting all particles may add to the energy where heat is not counted: it moves mass in the flow and in the
-/// force (`cases/free-spheroid` tells how much it adds; without it nothing is won).
-const WON: f64 = 0.01;
+/// force (`cases/free-spheroid` tells how much it adds; without it nothing is won). Eight sizes from .05 to .075 m
+/// add .65 to 1.1 %, .78 % in the mean, and what a size adds changes by as much with the packing.
+const WON: f64 = 0.015;
 
 /// Momentum along the axis, over the largest sum of |m U_z|: each step adds a rounding of that sum.
 const MOMENTUM: f64 = 1e-11;
@@ -70,7 +71,7 @@ fn survive(case: &str, settings: &[&str]) -> f64 {
     let with_tension = scene.liquid.surface_tension > 0.0;
     let at_first = energy(&scene, &simulation) + surface_energy(&scene, &simulation);
     let (mut most, mut drift, mut gathered, mut scale) = (0.0_f64, 0.0_f64, 0.0_f64, start.momentum_scale);
-    let mut change = 0.0;
+    let (mut change, mut largest) = (0.0, 0.0_f64);
     let last = scene.steps.unwrap_or(u64::MAX);
     while simulation.world.clock.time < scene.until && simulation.world.clock.step < last {
         let left = last - simulation.world.clock.step;
@@ -83,6 +84,7 @@ fn survive(case: &str, settings: &[&str]) -> f64 {
         let now = totals(&simulation);
         most = most.max(now.kinetic / at_first);
         change = energy(&scene, &simulation) / at_first - 1.0;
+        largest = largest.max(change);
         let bounded = if with_heat { change.abs() < ROUNDING } else { with_tension || change < WON };
         assert!(bounded, "{case} {settings:?}: energy changes by {change:e}");
         assert!(!with_tension || most < 1.0, "{case} {settings:?}: {most} of the energy there was");
@@ -96,7 +98,7 @@ fn survive(case: &str, settings: &[&str]) -> f64 {
     let energy = if with_tension {
         format!("at most {most:.3} of the energy in motion")
     } else {
-        format!("energy changes by {change:.1e}")
+        format!("energy changes by {change:.1e}, at most {largest:.1e}")
     };
     let steps = simulation.world.clock.step;
     println!("{case} {settings:?}: {energy}, {gathered:.1} times the neighbours, {steps} steps");
@@ -184,8 +186,6 @@ fn a_long_drop_shoots_past_the_sphere_and_comes_back() {
         &["particle_size=\"90 nm\""],
         &["particle_size=\"75 nm\""],
         &["particle_size=\"66.7 nm\""],
-        // Settling rounds it: without, it starts as long as it is.
-        &["particle_size=\"90 nm\"", "particles.settle=0"],
         &["particle_size=\"90 nm\"", "method.theta=0.6"],
         &["particle_size=\"90 nm\"", "method.cfl=0.6"],
     ];
@@ -202,7 +202,7 @@ fn drops_swing_in_coarse_and_fine_particles() {
         &[coarse, "method.theta=0.75"],
         &[coarse, "method.theta=1"],
         &[coarse, "method.cfl=0.6"],
-        &[fine, "particles.settle=0", "run.steps=300"],
+        &[fine, "run.steps=300"],
     ];
     survive_all("oscillating-drop/scene.toml", variants);
     survive_all("viscous-drop/scene.toml", &[&[coarse, "ohnesorge=1", "times=3"]]);
@@ -288,6 +288,6 @@ fn torn_surfaces_survive_large_supports() {
 #[test]
 #[ignore = "two minutes of processor time"]
 fn a_drop_of_two_hundred_particles_to_the_radius_swings() {
-    let settings = ["particle_size=radius/200", "particles.settle=0", "run.steps=10000"];
+    let settings = ["particle_size=radius/200", "run.steps=10000"];
     survive("oscillating-drop/scene.toml", &settings);
 }

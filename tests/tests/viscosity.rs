@@ -169,7 +169,6 @@ fn a_viscous_drop_decays_as_exact() {
     // Oh = .1 and amplitude .5 %, fitted after the first motion has died.
     let settings = [
         "resolution=17.5",
-        "particles.settle=3",
         "amplitude=0.005",
         "liquid.viscosity=0.1*sqrt(density*surface_tension*radius)",
     ];

@@ -14,7 +14,7 @@ use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant, SystemTime};
 
-/// Some hundred particles that settle for a while and then move; a checkpoint every few steps, so that
+/// Some hundred particles that move; a checkpoint every few steps, so that
 /// many kills hit the writing of one.
 const DROP: &str = r#"format = 1
 title = "A drop that is killed"

@@ -96,7 +96,7 @@ fn a_gigabyte_is_told_at_once_and_streamed() {
     inspect(&["fields", path, "field_3"]);
 }
 
-/// A drop of a million particles that are placed, settle for some steps, and run with checkpoints.
+/// A drop of a million particles that are placed, and run with checkpoints.
 const MILLION: &str = r#"format = 1
 title = "A drop of a million particles"
 [liquid]

@@ -35,6 +35,7 @@ velocity = { r = "-amplitude*capillary_velocity*(r/radius)/2", z = "amplitude*ca
 
 [particles]
 size = "particle_size"
+# All are of one size at the start.
 
 [run]
 until = "8 * sqrt(density*radius^3/surface_tension)"

@@ -1,4 +1,3 @@
-use super::super::Settling;
 use super::*;
 use crate::scene::parse;
 
@@ -11,7 +10,6 @@ shape = { spheroid = { radial = "1 um", axial = "1.1 um" } }
 velocity = { r = "0 m/s", z = "0.3 m/s" }
 [particles]
 size = "90 nm"
-settle = 0.2
 [run]
 until = "1 us"
 "#;
@@ -82,28 +80,6 @@ fn a_checkpoint_comes_back_as_it_was() {
     let again = Simulation::resume(&scene, &checkpoint).unwrap();
     assert_same(&checkpoint, &again.checkpoint(&scene));
     assert_eq!(checkpoint.scene, scene.text);
-}
-
-#[test]
-fn settling_can_be_interrupted() {
-    let scene = scene(&[]);
-    let whole = with_threads(1, || run(start(&scene), 20).checkpoint(&scene));
-    let mut settling = Settling::begin(&scene).unwrap();
-    for _ in 0..17 {
-        settling.step().unwrap();
-    }
-    let half = settling.with_checkpoint(&scene, Checkpoint::clone).unwrap();
-    assert!(Settling::wrote(&half) && !Settling::wrote(&whole));
-    assert!(Simulation::resume(&scene, &half).is_err(), "settling particles are no run");
-    let rest = with_threads(2, || {
-        let mut settling = Settling::resume(&scene, &half).unwrap();
-        assert_eq!(settling.steps(), 17);
-        while !settling.is_over() {
-            settling.step().unwrap();
-        }
-        run(settling.finish(&scene).unwrap(), 20).checkpoint(&scene)
-    });
-    assert_same(&whole, &rest);
 }
 
 #[test]
