@@ -146,6 +146,7 @@ mod tests {
                     "strain-correction",
                     "void-closing",
                     "reference-pressure",
+                    "size-evening",
                 ],
                 "laplace_slope_r",
             ),

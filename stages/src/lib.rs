@@ -26,6 +26,7 @@ pub mod record;
 pub mod reference_pressure;
 pub mod rows;
 pub mod shifting;
+pub mod size_evening;
 pub mod sort_bin;
 pub mod sound_speed;
 pub mod surface;

@@ -13,7 +13,7 @@ use meniscus_engine::wiring::Wiring;
 const VANISHING: f64 = 1e-4;
 
 /// Distance from the axis, in particle sizes, of the innermost particles of a regular packing.
-const INNERMOST: f64 = 0.43;
+pub(crate) const INNERMOST: f64 = 0.43;
 
 /// Limits of the time step.
 #[derive(Clone, Copy, Debug)]

@@ -14,7 +14,7 @@ use std::f64::consts::PI;
 /// Least number of steps between two looks: in a drop with 35 particles to the radius they take .04 t_c.
 const FEWEST_STEPS: u64 = 80;
 /// Part of the capillary time up to which it is twice, four times or more as many, at most so many.
-const LONGEST: f64 = 0.045;
+pub(crate) const LONGEST: f64 = 0.045;
 const MOST_STEPS: u64 = 16 * FEWEST_STEPS;
 
 /// Emptiness that doesn't count, of either sign: that of packings that have settled is .001 with a deviation of .003.
@@ -50,6 +50,15 @@ pub struct VoidClosing {
     surface: Read<u32>,
     emptiness: Update<f64>,
     strain_rate: Add<f64>,
+}
+
+/// Steps between two looks that are `longest` seconds apart at most, if the fewest steps don't take longer.
+pub(crate) fn steps_between(step_size: f64, longest: f64) -> u64 {
+    let mut steps = FEWEST_STEPS;
+    while steps < MOST_STEPS && 2.0 * steps as f64 * step_size < longest {
+        steps *= 2;
+    }
+    steps
 }
 
 impl VoidClosing {
@@ -127,10 +136,7 @@ impl ChunkStage for VoidClosing {
 
     fn prepare(&mut self, world: &mut World) -> Result<(), Fault> {
         let step_size = world.clock.previous_step_size;
-        let mut steps = FEWEST_STEPS;
-        while steps < MOST_STEPS && 2.0 * steps as f64 * step_size < self.longest {
-            steps *= 2;
-        }
+        let steps = steps_between(step_size, self.longest);
         if world.clock.step.is_multiple_of(steps) {
             self.look(world);
         }

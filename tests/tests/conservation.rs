@@ -58,6 +58,23 @@ fn momentum_stays_on_the_axis_and_away_from_it() {
 }
 
 #[test]
+fn mass_that_neighbours_exchange_is_not_lost() {
+    let mut simulation = drops::start(&drops::scene(DROPS, &[]));
+    let sorted = |simulation: &Simulation| {
+        let mut masses = column(simulation, "mass");
+        masses.sort_by(f64::total_cmp);
+        masses
+    };
+    let start = sorted(&simulation);
+    drops::advance(&mut simulation, 800);
+    let end = sorted(&simulation);
+    assert_ne!(start, end, "nothing was exchanged");
+    assert!(end[0] > 0.0);
+    let total = |masses: &[f64]| masses.iter().sum::<f64>();
+    assert!((total(&end) / total(&start) - 1.0).abs() < 1e-13);
+}
+
+#[test]
 fn the_papers_axis_treatment_loses_momentum() {
     let drift = drift(&["method.axis=parshikov"], 500);
     println!("parshikov at the axis: {drift:e}");

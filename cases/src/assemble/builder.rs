@@ -22,6 +22,7 @@ use meniscus_stages::kernel_correction::KernelCorrection;
 use meniscus_stages::liquids::EquationOfState;
 use meniscus_stages::reference_pressure;
 use meniscus_stages::shifting::{Shifting, Strength};
+use meniscus_stages::size_evening::SizeEvening;
 use meniscus_stages::sort_bin::{ListCheck, SortBin};
 use meniscus_stages::surface_corrections::{StrainCorrection, TangentialPressure};
 use meniscus_stages::tension_balance::TensionBalance;
@@ -91,6 +92,14 @@ impl Builder<'_> {
         stages.push(AnyStage::chunks(ListCheck::new(&mut self.wiring, self.packing)));
         self.plan("equation-of-state", true, ("pressure from density, packed rows for the next step", ""));
         stages.push(ahead);
+        let reasons =
+            ("rings that leave the axis are small, and large where they come to it", "no reference");
+        if self.plan("size-evening", self.with_reference(), reasons) {
+            let two_step = self.physics.method.time_integration == TimeIntegration::AdamsBashforth;
+            let (rate, with) = (self.physics.capillary_rate, (two_step, self.with_energy()));
+            let stage = SizeEvening::new(&mut self.wiring, self.packing, rate, with);
+            stages.push(AnyStage::whole(stage));
+        }
         stages
     }
 
