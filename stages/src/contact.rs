@@ -152,9 +152,14 @@ impl<T: Scalar> Reconstruction<ShockRecord<T>> for Shock {
     }
 }
 
-/// MUSCL on the velocity along the pair axis with van Leer's limiter (method.md, section 10, "Low
-/// dissipation"), and a jump in P* that returns to the plain one where the flow is not smooth
-/// ("Coalescence, later").
+/// MUSCL on the velocity along the pair axis with van Leer's limiter (method.md, section 10, "Low dissipation"), and
+/// in P* the jump J_r |J_r/J|, brought by at most 300 J_r^2/C towards the plain one J ("Coalescence, later"). J_r is the
+/// reconstructed jump, and J_r/J tells how rough the flow is, as limiters tell by the ratio of slopes (van Leer
+/// 1979): where they find an extreme it is one, in a wave with the number k it is (k d)^2/12, d the distance of
+/// neighbours.
+///
+/// J_r alone damps a wave by about C d^3 k^4/48, one of 18 particle sizes on a drop by a fifth in a period, now by a
+/// twentieth. Returning by 300 |J_r| (J - J_r)/C has the viscosity 300 |J_r| H/16 wherever the flow is fast.
 #[derive(Clone, Copy, Debug)]
 pub struct Limited {
     /// 300/C, s/m: how fast the plain jump returns as the reconstructed one grows.
@@ -162,7 +167,7 @@ pub struct Limited {
 }
 
 impl<R: DeformationState> Reconstruction<R> for Limited {
-    const OPERATIONS: u64 = 30;
+    const OPERATIONS: u64 = 32;
     type Begun = Halves<R::Scalar>;
 
     #[inline(always)]
@@ -201,12 +206,15 @@ impl<R: DeformationState> Reconstruction<R> for Limited {
     ) -> Rises<R::Scalar> {
         let (half_a, half_b) = (halves.a * halves.factor, halves.b * halves.factor);
         let reconstructed = jump - half_a - half_b;
-        let roughness =
-            (Lanes::splat(self.sharpness) * inverse_distance * reconstructed.abs()).min(Lanes::ONE);
+        // Both jumps have the same sign where the flow is rough; where it is smooth that of J_r must stay, or what an
+        // uneven packing brings into it, of either sign, would damp long waves.
+        let part = reconstructed.abs() / jump.abs().max(Lanes::splat(R::Scalar::TINY));
+        let smooth = part * reconstructed;
+        let most = Lanes::splat(self.sharpness) * inverse_distance * (reconstructed * reconstructed);
         Rises {
             left: half_a,
             right: jump - half_b,
-            jump: roughness.mul_add(jump - reconstructed, reconstructed),
+            jump: smooth + (jump - smooth).min(most).max(-most),
         }
     }
 }

@@ -63,7 +63,7 @@ impl Builder<'_> {
 
     fn flux_with<T: Packed, G: Geometry + 'static>(&mut self, geometry: G) -> AnyStage {
         let shock = Shock { slope: self.physics.equation.shock_slope() };
-        // beta = min(1, 300 |J_r|/C) (method.md, section 10, "Coalescence, later").
+        // The 300/C of beta = min(1, 300 |J_r|/C) (method.md, section 10, "Coalescence, later").
         let limited =
             Limited { sharpness: 300.0 / self.physics.sound_speed.max(self.physics.shifting_speed) };
         match (self.with_viscosity(), self.with_shocks(), self.reconstructs(), self.second_row()) {
