@@ -185,14 +185,15 @@ impl<R: DeformationState> Reconstruction<R> for Limited {
         };
         // van Leer's mean of x = 2 grad U . d - jump and y = jump is x y / (grad U . d) where x y > 0.
         let (along_a, along_b) = (along(a), along(b));
-        let product = |along: Lanes<R::Scalar>| (along + along - jump) * jump;
-        let (product_a, product_b) = (product(along_a), product(along_b));
+        let beyond = |along: Lanes<R::Scalar>| along + along - jump;
+        let (beyond_a, beyond_b) = (beyond(along_a), beyond(along_b));
+        let (product_a, product_b) = (beyond_a * jump, beyond_b * jump);
         let smallest = Lanes::splat(R::Scalar::TINY);
         let safe = |product: Lanes<R::Scalar>, along| product.select_greater(smallest, along, Lanes::ONE);
         let (safe_a, safe_b) = (safe(product_a, along_a), safe(product_b, along_b));
         Halves {
-            a: product_a.select_greater(smallest, product_a * safe_b, Lanes::ZERO),
-            b: product_b.select_greater(smallest, product_b * safe_a, Lanes::ZERO),
+            a: product_a.select_greater(smallest, beyond_a * safe_b, Lanes::ZERO),
+            b: product_b.select_greater(smallest, beyond_b * safe_a, Lanes::ZERO),
             factor: Lanes::HALF / (safe_a * safe_b),
         }
     }
@@ -204,22 +205,23 @@ impl<R: DeformationState> Reconstruction<R> for Limited {
         jump: Lanes<R::Scalar>,
         inverse_distance: Lanes<R::Scalar>,
     ) -> Rises<R::Scalar> {
-        let (half_a, half_b) = (halves.a * halves.factor, halves.b * halves.factor);
-        let reconstructed = jump - half_a - half_b;
+        let (part_a, part_b) = (halves.a * halves.factor, halves.b * halves.factor);
+        // J_r/J.
+        let part = Lanes::ONE - part_a - part_b;
+        let reconstructed = part * jump;
         // Both jumps have the same sign where the flow is rough; where it is smooth that of J_r must stay, or what an
         // uneven packing brings into it, of either sign, would damp long waves.
-        let part = reconstructed.abs() / jump.abs().max(Lanes::splat(R::Scalar::TINY));
-        let smooth = part * reconstructed;
+        let smooth = part.abs() * reconstructed;
         let most = Lanes::splat(self.sharpness) * inverse_distance * (reconstructed * reconstructed);
         Rises {
-            left: half_a,
-            right: jump - half_b,
+            left: part_a * jump,
+            right: part_b.neg_mul_add(jump, jump),
             jump: smooth + (jump - smooth).min(most).max(-most),
         }
     }
 }
 
-/// The limited half-steps from both particles, before they are multiplied by their common factor.
+/// The limited half-steps from both particles over the jump, before they are multiplied by their common factor.
 #[derive(Clone, Copy, Debug)]
 pub struct Halves<T: Scalar> {
     a: Lanes<T>,
