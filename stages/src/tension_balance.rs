@@ -32,7 +32,7 @@ use meniscus_engine::wiring::Wiring;
 const INTERVAL: u64 = 8;
 /// Part of the way to a newly found f that is gone each time: where the surface is rough f is noise, and
 /// taken at once it would drive the roughness on.
-const RELAXATION: f64 = 0.2;
+const RELAXATION: f64 = 0.5;
 
 /// The stage. It must follow the curvature, which finds feet and tangents, and whatever else adds to the surface
 /// force, which it completes.
