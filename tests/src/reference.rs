@@ -248,9 +248,10 @@ impl Medium {
         if self.reconstructed {
             left += 0.5 * van_leer(2.0 * dot(apply(a.gradient, d), e) - plain, plain);
             right -= 0.5 * van_leer(2.0 * dot(apply(b.gradient, d), e) - plain, plain);
-            let smooth = right - left;
-            let beta = (300.0 * smooth.abs() / self.sound_speed).min(1.0);
-            jump = smooth + beta * (plain - smooth);
+            let reconstructed = right - left;
+            let part = if plain == 0.0 { 1.0 } else { (reconstructed / plain).abs() };
+            let beta = (150.0 * reconstructed.abs() / self.sound_speed * (5.0 * part).min(1.0)).min(1.0);
+            jump = reconstructed + beta * (plain - reconstructed);
         }
         Star {
             pressure: (p_b * z_a + p_a * z_b) / (z_a + z_b),

@@ -76,7 +76,7 @@ fn mass_that_neighbours_exchange_is_not_lost() {
 
 #[test]
 fn the_papers_axis_treatment_loses_momentum() {
-    let drift = drift(&["method.axis=parshikov"], 500);
+    let drift = drift(&["method.axis=parshikov"], 700);
     println!("parshikov at the axis: {drift:e}");
     assert!(drift > 1e-9, "{drift:e}");
 }
