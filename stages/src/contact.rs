@@ -172,7 +172,7 @@ pub struct Limited {
 }
 
 impl<R: DeformationState> Reconstruction<R> for Limited {
-    const OPERATIONS: u64 = 32;
+    const OPERATIONS: u64 = 35;
     type Begun = Halves<R::Scalar>;
 
     #[inline(always)]
