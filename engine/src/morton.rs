@@ -38,9 +38,13 @@ pub fn order(r: &[f64], z: &[f64], cell: f64, window: usize) -> Option<Vec<u32>>
     if misplaced * TOLERATED <= r.len() {
         return None;
     }
-    let mut keys: Vec<(u64, u32)> = (0..r.len()).map(|i| (key_of(i), i as u32)).collect();
-    keys.sort_unstable();
-    Some(keys.into_iter().map(|(_, particle)| particle).collect())
+    let mut order: Vec<u32> = (0..r.len() as u32).collect();
+    {
+        let mut keys: Vec<(u64, u32)> = order.iter().map(|&i| (key_of(i as usize), i)).collect();
+        keys.sort_unstable();
+        order.iter_mut().zip(&keys).for_each(|(particle, key)| *particle = key.1);
+    }
+    Some(order)
 }
 
 #[cfg(test)]

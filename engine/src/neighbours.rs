@@ -135,7 +135,13 @@ impl NeighbourList {
             total += block.iter().max().copied().unwrap_or(0);
             self.block_start.push(total);
         }
-        self.entries.resize(total as usize, [0; WIDTH]);
+        let total = total as usize;
+        if total > self.entries.capacity() {
+            // The old ones need not be kept while room is made; fresh memory is touched where it is filled.
+            self.entries = Vec::new();
+            self.entries = vec![[0; WIDTH]; total + total / 32];
+        }
+        self.entries.resize(total, [0; WIDTH]);
         fill_blocks(&search, &self.block_start, 0, len, &mut self.entries);
         self.builds += 1;
     }

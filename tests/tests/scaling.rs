@@ -4,8 +4,7 @@ use meniscus_tests::drops;
 
 /// Velocities over the capillary velocity after 50 steps, by identity.
 fn velocities(settings: &[&str]) -> Vec<[f64; 2]> {
-    let settings: Vec<&str> =
-        settings.iter().copied().chain(["amplitude=0.3"]).collect();
+    let settings: Vec<&str> = settings.iter().copied().chain(["amplitude=0.3"]).collect();
     let scene = drops::drop(&settings);
     let mut simulation = drops::start(&scene);
     drops::advance(&mut simulation, 50);

@@ -167,11 +167,8 @@ fn energy_is_lost_but_never_won() {
 #[test]
 fn a_viscous_drop_decays_as_exact() {
     // Oh = .1 and amplitude .5 %, fitted after the first motion has died.
-    let settings = [
-        "resolution=17.5",
-        "amplitude=0.005",
-        "liquid.viscosity=0.1*sqrt(density*surface_tension*radius)",
-    ];
+    let settings =
+        ["resolution=17.5", "amplitude=0.005", "liquid.viscosity=0.1*sqrt(density*surface_tension*radius)"];
     let scene = drops::drop(&settings);
     let exact = Drop::of(&scene.liquid, 2.5e-6).mode(2).expect("an oscillation");
     let mut simulation = drops::start(&scene);

@@ -25,16 +25,16 @@ pub struct RowTable {
 }
 
 impl RowTable {
-    /// Makes room for `particles` and `images`; new rows are zero.
+    /// Makes room for `particles` and `images`, whose rows must be written anew.
     pub fn resize(&mut self, particles: usize, images: usize, with_second: bool) {
         let count = particles + images + WIDTH;
-        self.first.resize(count, Row::default());
-        self.second.resize(if with_second { count } else { 0 }, HalfRow::default());
+        make_room(&mut self.first, count);
+        make_room(&mut self.second, if with_second { count } else { 0 });
     }
 
     /// Makes room for `particles` and `images` in single precision.
     pub fn resize_single(&mut self, particles: usize, images: usize) {
-        self.single.resize(particles + images + 2 * WIDTH, SingleRow::default());
+        make_room(&mut self.single, particles + images + 2 * WIDTH);
     }
 
     /// The rows of the first `particles`, to write them.
@@ -55,6 +55,15 @@ impl RowTable {
     pub fn bytes(&self) -> usize {
         bytes_of(&self.first) + bytes_of(&self.second) + bytes_of(&self.single)
     }
+}
+
+/// Makes a table as long as it must be, and gives old rows back before there are longer ones.
+fn make_room<T: Clone + Default>(rows: &mut Vec<T>, count: usize) {
+    if count > rows.capacity() {
+        *rows = Vec::new();
+        rows.reserve_exact(count + count / 64);
+    }
+    rows.resize(count, T::default());
 }
 
 /// The rows of some particles in a row, as [`RowTable`] holds them.

@@ -68,11 +68,7 @@ fn find(folder: &RunFolder) -> Result<Found, Failure> {
 }
 
 impl Found {
-    fn of(
-        folder: &RunFolder,
-        name: String,
-        checkpoint: Checkpoint,
-    ) -> Result<Self, Failure> {
+    fn of(folder: &RunFolder, name: String, checkpoint: Checkpoint) -> Result<Self, Failure> {
         let path = folder.scene();
         if fs::read_to_string(&path).is_ok_and(|text| !same_scene(&text, &checkpoint.scene)) {
             return Err(Failure::input(format!(
