@@ -39,8 +39,8 @@ const CARRIED: usize = 5;
 /// A ring keeps its mass m = 2 pi R V rho, so V falls where it moves outward. A smooth flow hardly changes ratios of
 /// neighbours' R. But where it compresses the packing along the axis, rings leave the innermost row, at R = .43 D, and
 /// when it is drawn out again others take their places. In a drop that swung far, rings of that row came along the
-/// surface to R = 24 D within four swings, with .14 of their size. They held everyone's step, and where they gathered the
-/// surface was rough: its energy rose by up to 3.7 %.
+/// surface to R = 24 D within four swings, with .14 of their size. They held everyone's step, and gathered where the
+/// surface was rough.
 pub struct SizeEvening {
     packing: Packing,
     /// 1/s.
