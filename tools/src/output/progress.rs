@@ -12,6 +12,9 @@ const BAR_LENGTH: u64 = 1000;
 /// Shortest time between two changes of the bar.
 const REDRAW: Duration = Duration::from_millis(100);
 
+/// What takes no longer needs no progress.
+const SHORT: Duration = Duration::from_millis(500);
+
 /// Progress of a run, shown on standard error.
 pub struct Progress {
     /// Simulated seconds, or one.
@@ -90,9 +93,11 @@ impl Progress {
         });
     }
 
-    /// Tells which part is done, from 0 to 1, where [`Self::of_part`] began.
+    /// Tells which part is done, from 0 to 1, where [`Self::of_part`] began. What is over at once shows nothing.
     pub fn update_part(&mut self, part: f64) {
-        self.show(part, part, String::new);
+        if self.started.elapsed() >= SHORT {
+            self.show(part, part, String::new);
+        }
     }
 
     /// Shows that `done` of the total is done, `last` of it since the call before, and what more is to be said.
