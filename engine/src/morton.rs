@@ -38,13 +38,10 @@ pub fn order(r: &[f64], z: &[f64], cell: f64, window: usize) -> Option<Vec<u32>>
     if misplaced * TOLERATED <= r.len() {
         return None;
     }
-    let mut order: Vec<u32> = (0..r.len() as u32).collect();
-    {
-        let mut keys: Vec<(u64, u32)> = order.iter().map(|&i| (key_of(i as usize), i)).collect();
-        keys.sort_unstable();
-        order.iter_mut().zip(&keys).for_each(|(particle, key)| *particle = key.1);
-    }
-    Some(order)
+    let mut keys: Vec<(u64, u32)> = (0..r.len()).map(|i| (key_of(i), i as u32)).collect();
+    keys.sort_unstable();
+    // By reference: collected from the keys themselves the order would keep their memory.
+    Some(keys.iter().map(|key| key.1).collect())
 }
 
 #[cfg(test)]

@@ -42,11 +42,8 @@ impl BadState {
 
     /// Whether a value of the quantity `k` is none that a particle can have.
     fn is_bad(&self, k: usize, value: f64) -> bool {
-        match NAMES[k] {
-            "density" => !(value > 0.0 && value.is_finite()),
-            "radius" => !(value + self.origin > 0.0 && value.is_finite()),
-            _ => !value.is_finite(),
-        }
+        let above = [0.0, f64::NEG_INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY, -self.origin];
+        !(value > above[k] && value.is_finite())
     }
 
     /// A quantity of a particle that went bad.

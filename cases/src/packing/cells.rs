@@ -1,7 +1,7 @@
 //! Sources sorted into square cells, so that a particle meets only those in its reach.
 
 use super::domain::{Point, Source};
-use meniscus_engine::lanes::WIDTH;
+use meniscus_engine::lanes::{Lanes, WIDTH};
 use std::ops::Range;
 
 /// Sources row by row of unit cells; a stretch of cells in a row is one contiguous range.
@@ -56,6 +56,22 @@ impl Cells {
             *place -= 1;
             let place = *place as usize;
             (r[place], z[place], area[place]) = (source.point[0], source.point[1], source.area);
+        }
+    }
+
+    /// Calls `visit` with the ways r and z from `point` to eight sources at a time, their distances and areas: every source
+    /// in a box of half side `reach`, and some more. What fills the last lanes has no area.
+    #[inline(always)]
+    pub fn around(&self, point: Point, reach: f64, mut visit: impl FnMut([Lanes; 2], Lanes, Lanes)) {
+        let [r, z, area] = &self.sorted;
+        let [point_r, point_z] = point.map(Lanes::splat);
+        for range in self.near(point, reach) {
+            for start in range.clone().step_by(WIDTH) {
+                let load = |column: &[f64]| Lanes::load(&column[start..]);
+                let (dr, dz) = (load(r) - point_r, load(z) - point_z);
+                let area = load(area).keep_first((range.end - start).min(WIDTH));
+                visit([dr, dz], dr.mul_add(dr, dz * dz).sqrt(), area);
+            }
         }
     }
 

@@ -7,7 +7,7 @@
 use super::cells::Cells;
 use super::domain::{Domain, Point, Source};
 use super::relax::{CAPTURE, DUST, add_images, dust};
-use meniscus_engine::lanes::{Lanes, WIDTH};
+use meniscus_engine::lanes::Lanes;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
@@ -58,20 +58,13 @@ pub(super) fn gap(
 
 /// `sum area W` at a point with the planar Wendland C2 kernel.
 fn sum(cells: &Cells, point: Point, support: f64) -> f64 {
-    let [r, z, area] = &cells.sorted;
-    let [point_r, point_z] = point.map(Lanes::splat);
     let inverse_support = Lanes::splat(1.0 / support);
     let mut sum = Lanes::ZERO;
-    for range in cells.near(point, support) {
-        for start in range.clone().step_by(WIDTH) {
-            let load = |column: &[f64]| Lanes::load(&column[start..]);
-            let (dr, dz) = (load(r) - point_r, load(z) - point_z);
-            let q = dr.mul_add(dr, dz * dz).sqrt() * inverse_support;
-            let inside = (Lanes::ONE - q).max(Lanes::ZERO);
-            let area = load(area).keep_first((range.end - start).min(WIDTH));
-            let fourth = inside * inside * inside * inside;
-            sum = (area * fourth).mul_add(Lanes::splat(4.0).mul_add(q, Lanes::ONE), sum);
-        }
-    }
+    cells.around(point, support, |_, distance, area| {
+        let q = distance * inverse_support;
+        let inside = (Lanes::ONE - q).max(Lanes::ZERO);
+        let fourth = inside * inside * inside * inside;
+        sum = (area * fourth).mul_add(Lanes::splat(4.0).mul_add(q, Lanes::ONE), sum);
+    });
     7.0 / (PI * support * support) * sum.sum()
 }

@@ -12,7 +12,7 @@
 
 use super::cells::Cells;
 use super::domain::{Domain, Point, Source};
-use meniscus_engine::lanes::{Lanes, WIDTH};
+use meniscus_engine::lanes::Lanes;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
@@ -116,21 +116,13 @@ fn run(
 /// `sum V grad W` at `point`, with the planar Wendland C2 kernel; it points to the neighbours. Eight sources are
 /// weighed side by side, and those beyond the support weigh nothing.
 pub(super) fn gradient(cells: &Cells, point: Point, support: f64) -> Point {
-    let [r, z, area] = &cells.sorted;
-    let [point_r, point_z] = point.map(Lanes::splat);
     let inverse_support = Lanes::splat(1.0 / support);
     let mut sum = [Lanes::ZERO; 2];
-    for range in cells.near(point, support) {
-        for start in range.clone().step_by(WIDTH) {
-            let load = |column: &[f64]| Lanes::load(&column[start..]);
-            let (dr, dz) = (load(r) - point_r, load(z) - point_z);
-            let distance = dr.mul_add(dr, dz * dz).sqrt();
-            let inside = distance.neg_mul_add(inverse_support, Lanes::ONE).max(Lanes::ZERO);
-            let area = load(area).keep_first((range.end - start).min(WIDTH));
-            let weight = area * inside * inside * inside;
-            sum = [weight.mul_add(dr, sum[0]), weight.mul_add(dz, sum[1])];
-        }
-    }
+    cells.around(point, support, |[dr, dz], distance, area| {
+        let inside = distance.neg_mul_add(inverse_support, Lanes::ONE).max(Lanes::ZERO);
+        let weight = area * inside * inside * inside;
+        sum = [weight.mul_add(dr, sum[0]), weight.mul_add(dz, sum[1])];
+    });
     let factor = 140.0 / (PI * support.powi(4));
     sum.map(|sum| factor * sum.sum())
 }
