@@ -2,7 +2,7 @@
 
 use crate::fields;
 use crate::sound_speed::SoundSpeed;
-use crate::surface::{for_surface, length};
+use crate::surface::{for_surface, length, outward};
 use crate::surface_interval::COMPUTED;
 use meniscus_engine::field::clear;
 use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
@@ -15,11 +15,15 @@ const IMPEDANCE_RATIO: f64 = 1e-6;
 /// The stage: d eps += 2 (U* - U_a . e)|bw| and the surface force -2 P* bw, with e = bw/|bw|,
 /// U_g = U_a and P_g = P_L, and with the
 /// energy equation rho dE += -2 P* U*|bw| (equations (24) to (26); method.md, section 8).
+///
+/// What the forces lack of tension's pull (f in `tension_balance`) acts where bw points outward: its part across the surface
+/// belongs to P_g, that along it is the force -2 (bw . n)(f . t) t.
 pub struct GhostCoupling {
     laplace: Read<f64>,
     laplace_rate: Read<f64>,
     surface: Read<u32>,
     weight: [Read<f64>; 2],
+    balance: Option<Balance>,
     pressure: Read<f64>,
     reference_pressure: Read<f64>,
     density: Read<f64>,
@@ -29,6 +33,12 @@ pub struct GhostCoupling {
     work: Option<Work>,
 }
 
+/// What forces lack, and the tangent that parts it.
+struct Balance {
+    lack: [Read<f64>; 2],
+    tangent: [Read<f64>; 2],
+}
+
 /// The energy equation's part of the coupling.
 struct Work {
     velocity: [Read<f64>; 2],
@@ -36,15 +46,27 @@ struct Work {
 }
 
 impl GhostCoupling {
-    /// Ghosts hold the Laplace pressure; `constant_sound_speed` is the liquid's in m/s, if it has one.
-    pub fn new(wiring: &mut Wiring, constant_sound_speed: Option<f64>, with_energy: bool) -> Self {
+    /// Ghosts hold the Laplace pressure, and `with_balance` what forces lack; `constant_sound_speed` is the liquid's in
+    /// m/s, if it has one.
+    pub fn new(
+        wiring: &mut Wiring,
+        constant_sound_speed: Option<f64>,
+        with_balance: bool,
+        with_energy: bool,
+    ) -> Self {
         wiring.stage("ghost-coupling");
+        let lack = [&fields::TENSION_LACK_R, &fields::TENSION_LACK_Z];
+        let tangent = [&fields::SURFACE_TANGENT_R, &fields::SURFACE_TANGENT_Z];
         let force = [&fields::SURFACE_FORCE_R, &fields::SURFACE_FORCE_Z];
         GhostCoupling {
             laplace: wiring.read(&fields::LAPLACE_PRESSURE),
             laplace_rate: wiring.read(&fields::LAPLACE_PRESSURE_RATE),
             surface: wiring.read(&fields::SURFACE),
             weight: [wiring.read(&fields::GHOST_WEIGHT_R), wiring.read(&fields::GHOST_WEIGHT_Z)],
+            balance: with_balance.then(|| Balance {
+                lack: lack.map(|field| wiring.read(field)),
+                tangent: tangent.map(|field| wiring.read(field)),
+            }),
             pressure: wiring.read(&fields::PRESSURE),
             reference_pressure: wiring.read(&fields::REFERENCE_PRESSURE),
             density: wiring.read(&fields::DENSITY),
@@ -74,26 +96,40 @@ impl ChunkStage for GhostCoupling {
         let elapsed = around.clock.time - around.clock.mark(COMPUTED);
         let mut strain_rate = chunk.write(self.strain_rate);
         let [mut force_r, mut force_z] = self.force.map(|field| chunk.write(field));
+        let balance = self.balance.as_ref().map(|balance| {
+            (balance.lack.map(|field| chunk.read(field)), balance.tangent.map(|field| chunk.read(field)))
+        });
         let velocity = self.work.as_ref().map(|work| work.velocity.map(|field| chunk.read(field)));
         let mut power = self.work.as_ref().map(|work| chunk.write(work.power));
 
         clear(&mut force_r);
         clear(&mut force_z);
         for_surface(&chunk.read(self.surface), |i| {
-            let ghost_pressure = laplace[i] + elapsed * laplace_rate[i] - reference[i];
+            let weight = [weight_r[i], weight_z[i]];
+            let mut ghost_pressure = laplace[i] + elapsed * laplace_rate[i] - reference[i];
+            let mut along = [0.0; 2];
+            if let Some((lack, tangent)) = &balance {
+                let (lack, tangent) = (lack.each_ref().map(|lack| lack[i]), tangent.each_ref().map(|t| t[i]));
+                let open = outward(weight, tangent);
+                if open > 0.0 {
+                    ghost_pressure += outward(lack, tangent);
+                    let pull = 2.0 * open * (lack[0] * tangent[0] + lack[1] * tangent[1]);
+                    along = tangent.map(|tangent| pull * tangent);
+                }
+            }
             let impedance = density[i] * sound_speed.at(i);
             let ghost_impedance = IMPEDANCE_RATIO * impedance;
             let both = impedance + ghost_impedance;
             let star = (ghost_pressure * impedance + pressure[i] * ghost_impedance) / both;
             let rise = (pressure[i] - ghost_pressure) / both;
-            let length = length([weight_r[i], weight_z[i]]);
+            let length = length(weight);
             strain_rate[i] += 2.0 * rise * length;
+            let force = [0, 1].map(|axis| -2.0 * star * weight[axis] - along[axis]);
             if let (Some(power), Some([u, w])) = (&mut power, &velocity) {
                 // U* |bw| = U_a . bw + rise |bw|.
-                power[i] -= 2.0 * star * (u[i] * weight_r[i] + w[i] * weight_z[i] + rise * length);
+                power[i] += force[0] * u[i] + force[1] * w[i] - 2.0 * star * rise * length;
             }
-            force_r[i] = -2.0 * star * weight_r[i];
-            force_z[i] = -2.0 * star * weight_z[i];
+            [force_r[i], force_z[i]] = force;
         });
         [0.0; 2]
     }

@@ -14,6 +14,12 @@ pub(crate) fn length([r, z]: [f64; 2]) -> f64 {
     (r * r + z * z).sqrt()
 }
 
+/// The part of a vector along the outward normal (-t_z, t_r) of a surface with the unit tangent t.
+#[inline(always)]
+pub(crate) fn outward([r, z]: [f64; 2], [tangent_r, tangent_z]: [f64; 2]) -> f64 {
+    tangent_r * z - tangent_z * r
+}
+
 /// Particles that are looked at together.
 const BLOCK: usize = 16;
 

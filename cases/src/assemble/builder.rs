@@ -190,20 +190,21 @@ impl Builder<'_> {
         if self.plan("curvature", self.with_tension(), reasons) {
             stages.push(self.curvature());
         }
+        let reasons = ("surface forces must add up to tension's pull", "not asked for, or no colour field");
+        if self.plan("tension-balance", self.with_slope(), reasons) {
+            let tension = self.physics.surface_tension;
+            stages.push(AnyStage::whole(TensionBalance::new(&mut self.wiring, self.packing, tension)));
+        }
         let reasons = ("ghosts bring the Laplace pressure to the surface", "there is no surface tension");
         if self.plan("ghost-coupling", self.with_tension(), reasons) {
-            let (sound_speed, with_energy) = (self.constant_sound_speed(), self.with_energy());
-            stages.push(AnyStage::chunks(GhostCoupling::new(&mut self.wiring, sound_speed, with_energy)));
+            let (balanced, with_energy) = (self.with_slope(), self.with_energy());
+            let sound_speed = self.constant_sound_speed();
+            let stage = GhostCoupling::new(&mut self.wiring, sound_speed, balanced, with_energy);
+            stages.push(AnyStage::chunks(stage));
         }
         let reasons = ("ghosts carry no gradient along the surface", "not asked for, or no colour field");
         if self.plan("tangential-pressure", self.with_slope(), reasons) {
             stages.push(AnyStage::chunks(TangentialPressure::new(&mut self.wiring)));
-        }
-        let reasons = ("surface forces must add up to tension's pull", "not asked for, or no colour field");
-        if self.plan("tension-balance", self.with_slope(), reasons) {
-            let (tension, with_energy) = (self.physics.surface_tension, self.with_energy());
-            let stage = TensionBalance::new(&mut self.wiring, self.packing, tension, with_energy);
-            stages.push(AnyStage::chunks(stage));
         }
         let reasons = ("the pair sum of the strain is short at the surface", "not asked for, or no tension");
         if self.plan("strain-correction", self.corrects_strain(), reasons) {
