@@ -7,7 +7,7 @@ use crate::moment::Moment;
 use crate::sort_bin::WIDEST_SKIN;
 use crate::surface::{BOUNDARY, INSIDE, NEAR_BOUNDARY, length};
 use crate::surface_interval::is_due;
-use crate::surface_search::{FARTHEST, even};
+use crate::surface_search::{FARTHEST, even, reach};
 use meniscus_engine::lanes::{Lanes, WIDTH};
 use meniscus_engine::parallel;
 use meniscus_engine::pipeline::{Fault, Stage, World};
@@ -39,6 +39,23 @@ const SHALLOW: f64 = 0.8;
 /// Nor can a particle lie at the surface from which the colour falls to one half only beyond so many
 /// particle sizes: where the packing is thin the colour is low, but flat.
 const FAR: f64 = 2.5;
+
+impl ColourGuard {
+    /// Whether a particle of the given size (m) that sees this colour at its own place lies deep inside, where
+    /// particles have `usual` sizes.
+    ///
+    /// Too high a colour alone doesn't say so of rings that have come near to the axis and have grown in the plane: the
+    /// tip of a splash on the axis was packed so densely by them that the colour was 1.4 inside and .88 at its surface.
+    /// But it is as much steeper there. So for them it must also fall to one half no nearer than where it is the
+    /// highest in an even packing. (For all of them, holes between drops that collide were taken for surface.)
+    fn is_deep(&self, colour: &Colour, size: f64, usual: f64) -> bool {
+        let excess = colour.value - 0.5;
+        let fall = size * length(colour.gradient);
+        let has_grown = even(size, usual) > usual;
+        let is_far = || !has_grown || excess > self.support * reach(self.highest - 0.5) * fall;
+        excess > FAR * fall || (colour.value > self.highest && is_far())
+    }
+}
 
 /// The stage.
 pub struct BoundaryDetect {
@@ -137,12 +154,9 @@ impl BoundaryDetect {
                 *known = (doubtful[start + k], look.at(r[i], z[i], support));
             }
         });
-        let is_deep = |(i, colour): &&(u32, Colour)| {
-            let reach = FAR * size[*i as usize].min(largest);
-            let steepness = length(colour.gradient);
-            colour.value > guard.highest || colour.value - 0.5 > reach * steepness
-        };
-        let deep = known.iter().filter(is_deep);
+        let deep = known
+            .iter()
+            .filter(|(i, colour)| guard.is_deep(colour, size[*i as usize].min(largest), 0.5 * largest));
         self.refused.extend(deep.map(|(particle, _)| *particle));
         field.known = known;
     }
@@ -204,5 +218,59 @@ impl Stage for BoundaryDetect {
         self.ask_guard(world);
         self.mark(world);
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::colour_field::Particles;
+    use meniscus_engine::domain::Domain;
+
+    /// Support radius in particle sizes.
+    const SUPPORT: f64 = 11.0;
+
+    /// Whether a particle is deep so many spacings below the surface z = 0 of liquid that fills `density` times the
+    /// room there is, with a hole of two spacings across around z = -`void`; and the colour that it sees.
+    fn is_deep(density: f64, void: f64, depth: f64) -> (bool, f64) {
+        const ROWS: i32 = 30;
+        let lattice = (-ROWS..ROWS).flat_map(|i| (0..ROWS).map(move |j| [i, -j].map(f64::from)));
+        let places = lattice.map(|[r, z]| [r + 100.5, z - 0.5]);
+        let (r, z): (Vec<f64>, Vec<f64>) =
+            places.filter(|[r, z]| length([r - 100.0, z + void]) > 1.0).map(|[r, z]| (r, z)).unzip();
+        let (size, support) = (density.sqrt(), SUPPORT * density.sqrt());
+        let sizes = vec![size; r.len()];
+        let source = Particles { r: &r, z: &z, size: &sizes, list_r: &r, list_z: &z, support };
+        let mut field = ColourField::default();
+        let all = (0..r.len() as u32).map(|i| (i, support));
+        field.refresh(&source, all, 1, (0.0, &Domain { origin: 0.0, period: None }));
+        let guard =
+            ColourGuard { field: Arc::default(), highest: 0.85, support: SUPPORT, with_offset: false };
+        let colour = field.at(100.0, -depth, support);
+        (guard.is_deep(&colour, size, 1.0), colour.value)
+    }
+
+    /// In the tip of a splash the colour was 1.4 inside, and .88 at the particle on the axis.
+    #[test]
+    fn a_dense_packing_is_not_deep_at_its_surface() {
+        for density in [0.9, 1.0, 1.3, 1.4] {
+            for depth in [0.3, 0.5, 0.7] {
+                let (is_deep, colour) = is_deep(density, 100.0, depth);
+                assert!(!is_deep, "{density} {depth} {colour}");
+            }
+        }
+        assert!(is_deep(1.4, 100.0, 0.5).1 > 0.85);
+    }
+
+    #[test]
+    fn voids_are_no_surface() {
+        for density in [0.9, 1.0, 1.2, 1.4] {
+            for void in [3.5, 4.5, 6.5, 9.5] {
+                for depth in [void - 1.5, void + 1.5] {
+                    let (is_deep, colour) = is_deep(density, void, depth);
+                    assert!(is_deep, "{density} {void} {depth} {colour}");
+                }
+            }
+        }
     }
 }

@@ -32,10 +32,19 @@ impl Found {
 const BUMP: f64 = 0.25;
 
 /// Depth below a flat surface over the support radius, from c - 1/2: an odd polynomial fitted to the
-/// inverse of the colour kernel's half-plane integral, good to .0004 for |c - 1/2| < .51.
+/// inverse of the colour kernel's half-plane integral, good to .0004 for |c - 1/2| < .51. These are its coefficients.
+const DEPTH: [f64; 4] = [0.255_988_86, 0.142_692_53, -0.007_783_92, 0.882_506_95];
+
 fn depth(excess: f64) -> f64 {
     let square = excess * excess;
-    excess * (0.255_988_86 + square * (0.142_692_53 + square * (-0.007_783_92 + square * 0.882_506_95)))
+    excess * (DEPTH[0] + square * (DEPTH[1] + square * (DEPTH[2] + square * DEPTH[3])))
+}
+
+/// Way over the support radius on which the colour would fall to one half if it stayed as steep as it is where it
+/// exceeds that by so much below a flat surface: the excess times the slope of [`depth`].
+pub(crate) fn reach(excess: f64) -> f64 {
+    let square = excess * excess;
+    excess * (DEPTH[0] + square * (3.0 * DEPTH[1] + square * (5.0 * DEPTH[2] + square * 7.0 * DEPTH[3])))
 }
 
 /// Most evaluations of the colour field for one particle, the one at its own place included.
