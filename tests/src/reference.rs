@@ -251,7 +251,8 @@ impl Medium {
             let reconstructed = right - left;
             let part = if plain == 0.0 { 1.0 } else { (reconstructed / plain).abs() };
             let beta = (150.0 * reconstructed.abs() / self.sound_speed * (5.0 * part).min(1.0)).min(1.0);
-            jump = reconstructed + beta * (plain - reconstructed);
+            let smooth = reconstructed * part;
+            jump = smooth + beta * (plain - smooth);
         }
         Star {
             pressure: (p_b * z_a + p_a * z_b) / (z_a + z_b),
