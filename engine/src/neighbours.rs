@@ -24,10 +24,13 @@ const EVEN: f64 = 0.96;
 /// The neighbours of every particle.
 #[derive(Clone, Debug, Default)]
 pub struct NeighbourList {
+    len: usize,
     images: Vec<Image>,
+    /// How many neighbours particles have, while the list is built.
     counts: Vec<u32>,
     block_start: Vec<u32>,
-    entries: Vec<[u32; WIDTH]>,
+    /// Interleaved: eight of them belong to one block.
+    entries: Vec<u32>,
     bins: Bins,
     /// The largest distance of a listed pair, m.
     largest: f64,
@@ -55,6 +58,7 @@ impl NeighbourList {
     pub fn count(&mut self, points: [&[f64]; 3], domain: &Domain) {
         self.place(points, domain);
         let len = points[0].len();
+        self.len = len;
         self.counts.resize(len, 0);
         let search = Search { bins: &self.bins, points, sorted: &self.scratch, largest: self.largest };
         parallel::for_chunks_of(parallel::DEAR_CHUNK, len, &mut self.counts[..], |start, counts| {
@@ -65,9 +69,10 @@ impl NeighbourList {
         });
     }
 
-    /// An order of the particles in which each block of eight has lists of about the same length, for a block's are
-    /// filled up to its longest one. Everyone stays within his [`WINDOW`]. None where it doesn't pay.
-    pub fn even_order(&self) -> Option<Vec<u32>> {
+    /// Looks for an order of the particles in which each block of eight has lists of about the same length, for a block's
+    /// are filled up to its longest one: [`NeighbourList::order`] tells it. Everyone stays within his [`WINDOW`]. False
+    /// where it doesn't pay.
+    pub fn find_even_order(&mut self) -> bool {
         let (mut before, mut after) = (0, 0);
         for window in self.counts.chunks(WINDOW) {
             before += window.chunks(WIDTH).flat_map(|block| block.iter().max()).sum::<u32>();
@@ -78,19 +83,45 @@ impl NeighbourList {
             after += sorted.chunks(WIDTH).flat_map(|block| block.last()).sum::<u32>();
         }
         if f64::from(after) > EVEN * f64::from(before) {
-            return None;
+            return false;
         }
-        let mut order: Vec<u32> = (0..self.counts.len() as u32).collect();
+        // What the old list holds is of no use any more.
+        self.entries.resize(self.entries.len().max(self.len), 0);
+        let order = &mut self.entries[..self.len];
+        order.iter_mut().zip(0..).for_each(|(place, particle)| *place = particle);
         for window in order.chunks_mut(WINDOW) {
             window.sort_unstable_by_key(|&particle| (self.counts[particle as usize], particle));
         }
-        Some(order)
+        true
     }
 
-    /// Between count and fill: particle `order[k]` has become particle k, and `points` are in that order.
-    pub fn reorder(&mut self, order: &[u32], points: [&[f64]; 3], domain: &Domain) {
-        self.counts = order.iter().map(|&from| self.counts[from as usize]).collect();
+    /// Between [`NeighbourList::find_even_order`] and [`NeighbourList::fill`]: particle `order[k]` becomes particle k.
+    pub fn order(&self) -> &[u32] {
+        &self.entries[..self.len]
+    }
+
+    /// The particles have taken up that order, and so have `points`.
+    pub fn reorder(&mut self, points: [&[f64]; 3], domain: &Domain) {
+        let order = &self.entries[..self.len];
+        let windows = self.counts.chunks_mut(WINDOW).zip(order.chunks(WINDOW)).enumerate();
+        for (window, (counts, order)) in windows {
+            let mut before = [0; WINDOW];
+            before[..counts.len()].copy_from_slice(counts);
+            for (count, &from) in counts.iter_mut().zip(order) {
+                *count = before[from as usize - window * WINDOW];
+            }
+        }
         self.place(points, domain);
+    }
+
+    /// Lends the memory of the entries while a new list is made: what the old one's hold is of no use then.
+    pub fn take_entries(&mut self) -> Vec<u32> {
+        std::mem::take(&mut self.entries)
+    }
+
+    /// Takes back what [`NeighbourList::take_entries`] lent.
+    pub fn return_entries(&mut self, memory: Vec<u32>) {
+        self.entries = memory;
     }
 
     /// Images, cells, and places and reaches in the cells' order.
@@ -110,7 +141,11 @@ impl NeighbourList {
         self.bins.build_of(count, place, 0.5 * self.largest);
         for column in &mut self.scratch {
             column.clear();
-            column.reserve_exact(count + WIDTH);
+            if count + WIDTH > column.capacity() {
+                // As in fill: the old memory goes before there is more.
+                *column = Vec::new();
+                column.reserve_exact(count + count / 64 + WIDTH);
+            }
         }
         let [sorted_r, sorted_z, sorted_reach] = &mut self.scratch;
         for &member in self.bins.members() {
@@ -135,14 +170,15 @@ impl NeighbourList {
             total += block.iter().max().copied().unwrap_or(0);
             self.block_start.push(total);
         }
-        let total = total as usize;
+        let total = total as usize * WIDTH;
         if total > self.entries.capacity() {
             // The old ones need not be kept while room is made; fresh memory is touched where it is filled.
             self.entries = Vec::new();
-            self.entries = vec![[0; WIDTH]; total + total / 32];
+            self.entries = vec![0; total + total / 32];
         }
-        self.entries.resize(total, [0; WIDTH]);
-        fill_blocks(&search, &self.block_start, 0, len, &mut self.entries);
+        self.entries.resize(total, 0);
+        fill_blocks(&search, &self.block_start, 0, len, self.entries.as_chunks_mut().0);
+        self.counts = Vec::new();
         self.builds += 1;
     }
 
@@ -153,12 +189,12 @@ impl NeighbourList {
 
     /// Number of particles in the list.
     pub fn len(&self) -> usize {
-        self.counts.len()
+        self.len
     }
 
     /// Whether the list has not been built, or for no particle.
     pub fn is_empty(&self) -> bool {
-        self.counts.is_empty()
+        self.len == 0
     }
 
     /// The images, numbered from [`NeighbourList::len`] on.
@@ -173,22 +209,19 @@ impl NeighbourList {
 
     /// Listed pairs, counted from both sides.
     pub fn pairs(&self) -> u64 {
-        self.counts.iter().map(|&count| u64::from(count)).sum()
+        (0..self.len).map(|particle| self.of(particle).count() as u64).sum()
     }
 
     /// Entries of all blocks, with those that fill up short lists: what a pair pass evaluates.
     pub fn slots(&self) -> usize {
-        self.entries.len() * WIDTH
+        self.entries.len()
     }
 
     /// Bytes that the list takes, and what building it needs.
     pub fn bytes(&self) -> usize {
-        let numbers = [&self.counts, &self.block_start].map(bytes_of);
+        let numbers = [&self.counts, &self.block_start, &self.entries].map(bytes_of);
         let points = self.scratch.iter().map(bytes_of);
-        bytes_of(&self.images)
-            + bytes_of(&self.entries)
-            + self.bins.bytes()
-            + numbers.into_iter().chain(points).sum::<usize>()
+        bytes_of(&self.images) + self.bins.bytes() + numbers.into_iter().chain(points).sum::<usize>()
     }
 
     /// The interleaved entries of the eight particles from `8 * block` on; none behind the last particle.
@@ -197,14 +230,16 @@ impl NeighbourList {
         if block + 1 >= self.block_start.len() {
             return &[];
         }
-        &self.entries[self.block_start[block] as usize..self.block_start[block + 1] as usize]
+        let (entries, _) = self.entries.as_chunks();
+        &entries[self.block_start[block] as usize..self.block_start[block + 1] as usize]
     }
 
     /// The listed neighbours of one particle; numbers from [`NeighbourList::len`] on are images.
     #[inline]
     pub fn of(&self, particle: usize) -> impl Iterator<Item = usize> + '_ {
-        let entries = &self.block(particle / WIDTH)[..self.counts[particle] as usize];
-        entries.iter().map(move |entry| entry[particle % WIDTH] as usize)
+        let entries = self.block(particle / WIDTH).iter().map(move |entry| entry[particle % WIDTH] as usize);
+        // It fills up its own list.
+        entries.take_while(move |&number| number != particle)
     }
 
     /// Calls `visit` with numbers of particles and listed images that together are all that lay within `reach` metres of
@@ -216,7 +251,7 @@ impl NeighbourList {
     /// The particle behind a number that may be an image's.
     #[inline]
     pub fn source(&self, number: usize) -> usize {
-        match number.checked_sub(self.counts.len()) {
+        match number.checked_sub(self.len) {
             Some(image) => self.images[image].source as usize,
             None => number,
         }
@@ -360,15 +395,18 @@ mod tests {
         list.build([&r, &z, &reach], &domain);
         let (slots, pairs) = (list.slots(), list.pairs());
         list.count([&r, &z, &reach], &domain);
-        let order = list.even_order().expect("lists of chance lengths");
+        assert!(list.find_even_order(), "lists of chance lengths");
+        let order = list.order().to_vec();
         for column in [&mut r, &mut z, &mut reach] {
             *column = order.iter().map(|&from| column[from as usize]).collect();
         }
-        list.reorder(&order, [&r, &z, &reach], &domain);
+        list.reorder([&r, &z, &reach], &domain);
         list.fill([&r, &z, &reach]);
         assert!((list.slots() as f64) < 0.9 * slots as f64, "{} of {slots}", list.slots());
         assert_eq!(list.pairs(), pairs);
-        assert!(list.even_order().is_none());
+        list.count([&r, &z, &reach], &domain);
+        assert!(!list.find_even_order());
+        list.fill([&r, &z, &reach]);
         let mut anew = NeighbourList::default();
         anew.build([&r, &z, &reach], &domain);
         assert_eq!(list.entries, anew.entries);

@@ -252,6 +252,8 @@ impl Pipeline {
             work.run(world, &mut costs)?;
         }
         world.rows.are_current = false;
+        // Scratch memory keeps its largest piece; no step needs one as large.
+        world.arena = Bump::new();
         Ok(())
     }
 

@@ -229,20 +229,29 @@ impl Store {
     /// columns serves as scratch.
     pub fn permute(&mut self, order: &[u32]) {
         self.is_changed = true;
-        let mut reals = [Vec::new()];
-        self.swap_derived(&mut reals);
-        reals[0].resize(self.len, 0.0);
-        let mut indices = vec![0; self.len];
+        let mut scratch = [Vec::new()];
+        self.swap_derived(&mut scratch);
+        let [moved] = &mut scratch;
+        moved.resize(self.len, 0.0);
         for (description, column) in &mut self.columns {
             if description.role != Role::State {
                 continue;
             }
             match column.get_mut() {
-                Values::F64(values) => gather(values, &mut reals[0], order),
-                Values::U32(values) => gather(values, &mut indices, order),
+                Values::F64(values) if is_sparse(values) => move_few(values, order),
+                Values::U32(values) if is_sparse(values) => move_few(values, order),
+                Values::F64(values) => {
+                    gather(moved, order, |from| values[from]);
+                    std::mem::swap(values, moved);
+                }
+                Values::U32(values) => {
+                    // A real number holds every index exactly.
+                    gather(moved, order, |from| f64::from(values[from]));
+                    values.iter_mut().zip(&*moved).for_each(|(value, moved)| *value = *moved as u32);
+                }
             }
         }
-        self.swap_derived(&mut reals);
+        self.swap_derived(&mut scratch);
     }
 
     /// Fills every Derived column with a value that shows when it is read before it is written.
@@ -267,19 +276,21 @@ pub fn bytes_of<T>(values: &Vec<T>) -> usize {
 /// One value in so many may be other than zero for a column to be moved value by value.
 const SPARSE: usize = 16;
 
-fn gather<T: Element>(values: &mut Vec<T>, scratch: &mut Vec<T>, order: &[u32]) {
-    let source = &values[..];
-    if source.iter().filter(|value| !value.is_untouched()).count() <= source.len() / SPARSE {
-        let places = order.iter().enumerate().map(|(to, &from)| (to, source[from as usize]));
-        let moved: Vec<(usize, T)> = places.filter(|(_, value)| !value.is_untouched()).collect();
-        clear(values);
-        moved.into_iter().for_each(|(to, value)| values[to] = value);
-        return;
-    }
-    crate::parallel::for_chunks(order.len(), (&mut scratch[..], order), |_, (target, order)| {
-        for (target, &from) in target.iter_mut().zip(order) {
-            *target = source[from as usize];
+fn is_sparse<T: Element>(values: &[T]) -> bool {
+    values.iter().filter(|value| !value.is_untouched()).count() <= values.len() / SPARSE
+}
+
+fn move_few<T: Element>(values: &mut [T], order: &[u32]) {
+    let places = order.iter().enumerate().map(|(to, &from)| (to, values[from as usize]));
+    let moved: Vec<(usize, T)> = places.filter(|(_, value)| !value.is_untouched()).collect();
+    clear(values);
+    moved.into_iter().for_each(|(to, value)| values[to] = value);
+}
+
+fn gather(moved: &mut [f64], order: &[u32], value: impl Fn(usize) -> f64 + Sync) {
+    crate::parallel::for_chunks(order.len(), (moved, order), |_, (moved, order)| {
+        for (moved, &from) in moved.iter_mut().zip(order) {
+            *moved = value(from as usize);
         }
     });
-    std::mem::swap(values, scratch);
 }

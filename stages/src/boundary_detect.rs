@@ -8,6 +8,7 @@ use crate::sort_bin::WIDEST_SKIN;
 use crate::surface::{BOUNDARY, INSIDE, NEAR_BOUNDARY, length};
 use crate::surface_interval::is_due;
 use crate::surface_search::{FARTHEST, even, reach};
+use meniscus_engine::field::clear;
 use meniscus_engine::lanes::{Lanes, WIDTH};
 use meniscus_engine::parallel;
 use meniscus_engine::pipeline::{Fault, Stage, World};
@@ -166,7 +167,7 @@ impl BoundaryDetect {
         let [r, z] = self.position.map(|field| world.store.read(field));
         let size = world.store.read(self.size);
         let Packing { domain, theta, largest_size } = self.packing;
-        surface.fill(INSIDE);
+        clear(&mut surface[..]);
         for &candidate in &self.candidates {
             surface[candidate as usize] = BOUNDARY;
         }

@@ -49,11 +49,15 @@ impl Stage for Drops {
         let mut count = 0;
         // A component is named after its least particle, which comes first.
         for (i, &root) in root.iter().enumerate() {
-            if root as usize == i {
-                drop[i] = count;
+            let number = if root as usize == i {
                 count += 1;
+                count - 1
             } else {
-                drop[i] = drop[root as usize];
+                drop[root as usize]
+            };
+            // Memory of the first drop, which may be the only one, need not be written.
+            if drop[i] != number {
+                drop[i] = number;
             }
         }
         Ok(())

@@ -74,18 +74,18 @@ impl SortBin {
     /// Builds the list, and orders particles within a window so that there is less of it to fill up.
     fn build_even(&self, world: &mut World) {
         let domain = &self.packing.domain;
-        let order = self.with_list(world, |list, points| {
+        let is_new = self.with_list(world, |list, points| {
             list.count(points, domain);
-            let order = list.even_order();
-            if order.is_none() {
+            let is_new = list.find_even_order();
+            if !is_new {
                 list.fill(points);
             }
-            order
+            is_new
         });
-        if let Some(order) = order {
-            world.store.permute(&order);
+        if is_new {
+            world.store.permute(world.neighbours.order());
             self.with_list(world, |list, points| {
-                list.reorder(&order, points, domain);
+                list.reorder(points, domain);
                 list.fill(points);
             });
         }
@@ -112,6 +112,7 @@ impl SortBin {
     /// Wraps a periodic domain, sorts, and notes where the list is built.
     fn renew(&self, world: &mut World) {
         let skin = self.best_skin(world);
+        let mut memory = world.neighbours.take_entries();
         let order = {
             let [r, mut z] = self.position.map(|field| world.store.write(field));
             if let Some((bottom, length)) = self.packing.domain.period {
@@ -127,11 +128,12 @@ impl SortBin {
                 *reach = self.packing.reach(r[i], density[i], mass[i]) + 0.5 * skin;
             }
             let cell = parallel::maximum(r.len(), |i| list_reach[i]);
-            morton::order(&r, &z, cell, WINDOW)
+            morton::order(&r, &z, cell, WINDOW, &mut memory)
         };
         if let Some(order) = order {
-            world.store.permute(&order);
+            world.store.permute(order);
         }
+        world.neighbours.return_entries(memory);
         world.clock.set_mark("list");
         self.build_even(world);
         world.neighbours.margin = 0.5 * skin;
