@@ -8,6 +8,7 @@ use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_gr
 use meniscus_benches::{advance, drop_of, drop_scene, one_thread, shuffled, start};
 use meniscus_cases::simulation::Simulation;
 use meniscus_engine::neighbours::NeighbourList;
+use meniscus_stages::reference_pressure::FIRST_REFERENCE;
 use meniscus_tests::drops::column;
 use meniscus_tests::liquid::medium;
 use meniscus_tests::reference::{Medium, Particle, Sums};
@@ -123,6 +124,7 @@ fn particles(simulation: &Simulation) -> Vec<Particle> {
     let [r, z, u, w] = ["radius", "axial", "velocity_r", "velocity_z"].map(|name| column(simulation, name));
     let [density, mass, reference_pressure, kernel_scale] =
         ["density", "mass", "reference_pressure", "kernel_scale"].map(|name| column(simulation, name));
+    let first_reference = simulation.world.clock.number(FIRST_REFERENCE);
     // The rate of deformation of the step before, moved on to the present.
     let elapsed = simulation.world.clock.previous_step_size;
     let [rr, shear, zz] = ["rr", "shear", "zz"].map(|component| {
@@ -135,7 +137,7 @@ fn particles(simulation: &Simulation) -> Vec<Particle> {
         velocity: [u[i], w[i]],
         density: density[i],
         mass: mass[i],
-        reference_pressure: reference_pressure[i],
+        reference_pressure: first_reference + reference_pressure[i],
         gradient: [[rr[i], 0.5 * shear[i]], [0.5 * shear[i], zz[i]]],
         kernel_scale: kernel_scale[i],
     };

@@ -24,6 +24,7 @@ pub struct Clock {
     stated: Vec<Bound>,
     counts: Vec<(Cow<'static, str>, u64)>,
     marks: Vec<(&'static str, f64)>,
+    numbers: Vec<(&'static str, f64)>,
 }
 
 impl Default for Clock {
@@ -43,6 +44,7 @@ impl Clock {
             stated: Vec::with_capacity(8),
             counts: Vec::with_capacity(8),
             marks: Vec::with_capacity(8),
+            numbers: Vec::with_capacity(2),
         }
     }
 
@@ -106,6 +108,24 @@ impl Clock {
     /// All marks.
     pub fn marks(&self) -> &[(&'static str, f64)] {
         &self.marks
+    }
+
+    /// Sets a number of the whole scene. It is part of the state: a checkpoint carries it.
+    pub fn set_number(&mut self, name: &'static str, value: f64) {
+        match self.numbers.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, number)) => *number = value,
+            None => self.numbers.push((name, value)),
+        }
+    }
+
+    /// A number of the whole scene; zero if none of that name was set.
+    pub fn number(&self, name: &str) -> f64 {
+        self.numbers.iter().find(|(known, _)| *known == name).map_or(0.0, |(_, number)| *number)
+    }
+
+    /// All numbers of the whole scene.
+    pub fn numbers(&self) -> &[(&'static str, f64)] {
+        &self.numbers
     }
 
     /// How many steps each bound has set since the run began.

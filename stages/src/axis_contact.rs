@@ -3,6 +3,7 @@
 use crate::contact::KERNEL;
 use crate::equation_of_state::Packing;
 use crate::fields;
+use crate::rows::PackedState;
 use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
 use meniscus_engine::store::{Add, Read};
 use meniscus_engine::wiring::Wiring;
@@ -18,7 +19,6 @@ pub struct AxisContact {
     radius: Read<f64>,
     velocity: Read<f64>,
     density: Read<f64>,
-    size: Read<f64>,
     sound_speed: Read<f64>,
     dissipation: Add<f64>,
 }
@@ -33,7 +33,6 @@ impl AxisContact {
             radius: wiring.read(&fields::RADIUS),
             velocity: wiring.read(&fields::VELOCITY_R),
             density: wiring.read(&fields::DENSITY),
-            size: wiring.read(&fields::SIZE),
             sound_speed: wiring.read(&fields::SOUND_SPEED),
             dissipation: wiring.add(&fields::DISSIPATION_R),
         }
@@ -45,20 +44,21 @@ impl ChunkStage for AxisContact {
         "axis-contact"
     }
 
-    fn chunk(&self, _: &Around, chunk: &Chunk) -> Partial {
+    fn chunk(&self, around: &Around, chunk: &Chunk) -> Partial {
         let (radius, velocity) = (chunk.read(self.radius), chunk.read(self.velocity));
-        let (density, size) = (chunk.read(self.density), chunk.read(self.size));
-        let sound_speed = chunk.read(self.sound_speed);
+        let (density, sound_speed) = (chunk.read(self.density), chunk.read(self.sound_speed));
+        let packed = PackedState(around.rows);
         let mut dissipation = chunk.write(self.dissipation);
         let Packing { theta, largest_size, .. } = self.packing;
+        let size = |i: usize| packed.size(chunk.start + i);
         for (i, dissipation) in dissipation.iter_mut().enumerate() {
-            let support = 4.0 * theta * size[i].min(largest_size);
+            let support = 4.0 * theta * size(i).min(largest_size);
             let (distance, closing) = (2.0 * radius[i], -velocity[i]);
             if distance < support && closing > 0.0 {
                 let inside = 1.0 - distance / support;
                 let kernel = KERNEL * inside.powi(3) / support.powi(4);
                 let excess = density[i] * (sound_speed[i] + self.slope * closing) * closing;
-                *dissipation += 2.0 * size[i] * size[i] * kernel * distance * excess;
+                *dissipation += 2.0 * size(i) * size(i) * kernel * distance * excess;
             }
         }
         [0.0; 2]

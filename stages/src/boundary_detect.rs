@@ -4,6 +4,7 @@ use crate::colour_field::{Colour, ColourField, Particles};
 use crate::equation_of_state::Packing;
 use crate::fields;
 use crate::moment::Moment;
+use crate::rows::PackedState;
 use crate::sort_bin::WIDEST_SKIN;
 use crate::surface::{BOUNDARY, INSIDE, NEAR_BOUNDARY, length};
 use crate::surface_interval::is_due;
@@ -65,7 +66,6 @@ pub struct BoundaryDetect {
     guard: Option<ColourGuard>,
     position: [Read<f64>; 2],
     listed: [Read<f64>; 2],
-    size: Read<f64>,
     lack: [Read<f64>; 3],
     offset: Option<[Read<f64>; 2]>,
     surface: Write<u32>,
@@ -88,7 +88,6 @@ impl BoundaryDetect {
             guard,
             position: [wiring.read(&fields::RADIUS), wiring.read(&fields::AXIAL)],
             listed: [wiring.read(&fields::LIST_RADIUS), wiring.read(&fields::LIST_AXIAL)],
-            size: wiring.read(&fields::SIZE),
             lack: lack.map(|field| wiring.read(field)),
             offset: with_offset.then(|| offset.map(|field| wiring.read(field))),
             surface: wiring.write(&fields::SURFACE),
@@ -116,12 +115,12 @@ impl BoundaryDetect {
 
     /// Candidates whose depth below the surface is not known to be small.
     fn find_doubtful(&mut self, world: &World) {
-        let size = world.store.read(self.size);
+        let packed = PackedState(&world.rows);
         let offset = self.offset.map(|fields| fields.map(|field| world.store.read(field)));
         let is_shallow = |i: usize| {
             let Some([r, z]) = &offset else { return false };
             let depth = length([r[i], z[i]]);
-            depth > 0.0 && depth < SHALLOW * size[i].min(self.packing.largest_size)
+            depth > 0.0 && depth < SHALLOW * packed.size(i).min(self.packing.largest_size)
         };
         self.doubtful.clear();
         self.doubtful.extend(self.candidates.iter().filter(|&&i| !is_shallow(i as usize)));
@@ -133,31 +132,37 @@ impl BoundaryDetect {
         let Some(guard) = &self.guard else { return };
         let [r, z] = self.position.map(|field| world.store.read(field));
         let [list_r, list_z] = self.listed.map(|field| world.store.read(field));
-        let size = world.store.read(self.size);
+        let packed = PackedState(&world.rows);
         let support = guard.support * self.packing.largest_size;
-        let source = Particles { r: &r, z: &z, size: &size, list_r: &list_r, list_z: &list_z, support };
+        let source = Particles { r: &r, z: &z, list_r: &list_r, list_z: &list_z, support };
         let slack = 0.25 * WIDEST_SKIN * self.packing.largest_size;
         let mut field = guard.field.lock().expect("no stage panics while it holds the colour field");
-        let (r, z, size, doubtful) = (&r[..], &z[..], &size[..], &self.doubtful[..]);
+        let (r, z, doubtful) = (&r[..], &z[..], &self.doubtful[..]);
         let largest = self.packing.largest_size;
         let wanted = self.candidates.iter().map(|&i| {
-            let size = size[i as usize].min(largest);
+            let size = packed.size(i as usize).min(largest);
             (i, guard.support * even(size, 0.5 * largest).max(size) + FARTHEST * size)
         });
-        field.refresh(&source, wanted, world.neighbours.builds(), (slack, &self.packing.domain));
+        field.refresh(
+            &source,
+            |i| packed.area(i),
+            wanted,
+            world.neighbours.builds(),
+            (slack, &self.packing.domain),
+        );
         let mut known = std::mem::take(&mut field.known);
         known.resize(doubtful.len(), (0, Colour::default()));
         let look = &*field;
         parallel::for_chunks_of(16, doubtful.len(), &mut known[..], |start, known| {
             for (k, known) in known.iter_mut().enumerate() {
                 let i = doubtful[start + k] as usize;
-                let support = guard.support * size[i].min(largest);
+                let support = guard.support * packed.size(i).min(largest);
                 *known = (doubtful[start + k], look.at(r[i], z[i], support));
             }
         });
-        let deep = known
-            .iter()
-            .filter(|(i, colour)| guard.is_deep(colour, size[*i as usize].min(largest), 0.5 * largest));
+        let deep = known.iter().filter(|(i, colour)| {
+            guard.is_deep(colour, packed.size(*i as usize).min(largest), 0.5 * largest)
+        });
         self.refused.extend(deep.map(|(particle, _)| *particle));
         field.known = known;
     }
@@ -165,8 +170,8 @@ impl BoundaryDetect {
     fn mark(&self, world: &World) {
         let mut surface = world.store.write(self.surface);
         let [r, z] = self.position.map(|field| world.store.read(field));
-        let size = world.store.read(self.size);
-        let Packing { domain, theta, largest_size } = self.packing;
+        let packed = PackedState(&world.rows);
+        let domain = &self.packing.domain;
         clear(&mut surface[..]);
         for &candidate in &self.candidates {
             surface[candidate as usize] = BOUNDARY;
@@ -189,7 +194,7 @@ impl BoundaryDetect {
                     Some(image) => domain.place(&list.images()[image], r[b], z[b]),
                     None => (r[b], z[b]),
                 };
-                let support = 2.0 * theta * (size[a].min(largest_size) + size[b].min(largest_size));
+                let support = packed.reach(a) + packed.reach(b);
                 let (dr, dz) = (r_b - r[a], z_b - z[a]);
                 if dr * dr + dz * dz < support * support {
                     surface[b] = NEAR_BOUNDARY;

@@ -45,17 +45,18 @@ pub struct ColourField {
 const SPARE: f64 = 1.1;
 
 impl ColourField {
-    /// Takes up the particles' present positions and sizes (m). `list_build` counts the builds of
+    /// Takes up the particles' present positions (m) and areas (m2). `list_build` counts the builds of
     /// the neighbour list, between which no particle moves farther than `slack` metres. The field may then be asked for
     /// with all that lies within a reach (m) of each of the `wanted` particles.
     pub fn refresh(
         &mut self,
         source: &Particles,
+        area: impl Fn(usize) -> f64,
         wanted: impl Iterator<Item = (u32, f64)> + Clone,
         list_build: u64,
         (slack, domain): (f64, &Domain),
     ) {
-        let Particles { r, z, size, list_r, list_z, support } = *source;
+        let Particles { r, z, list_r, list_z, support } = *source;
         self.known.clear();
         self.slack = slack;
         let is_new = self.list_build != list_build || self.complete.is_empty();
@@ -108,7 +109,7 @@ impl ColourField {
             let member = member as usize;
             let source = member.checked_sub(r.len()).map_or(member, |image| images[image].source as usize);
             (self.r[k], self.z[k]) = place(member, r, z);
-            self.area[k] = size[source] * size[source];
+            self.area[k] = area(source);
         }
     }
 
@@ -161,8 +162,6 @@ pub struct Particles<'a> {
     pub r: &'a [f64],
     /// Present positions, m.
     pub z: &'a [f64],
-    /// Particle sizes, m.
-    pub size: &'a [f64],
     /// Positions when the neighbour list was built, m.
     pub list_r: &'a [f64],
     /// Positions when the neighbour list was built, m.
@@ -200,6 +199,7 @@ mod tests {
     use super::*;
 
     const DOMAIN: Domain = Domain { origin: 0.0, period: None };
+    const AREA: fn(usize) -> f64 = |_| 0.1 * 0.1;
 
     /// Whoever sees the whole lattice.
     fn all(count: usize) -> impl Iterator<Item = (u32, f64)> + Clone {
@@ -214,10 +214,9 @@ mod tests {
                 z.push(0.1 * f64::from(j));
             }
         }
-        let size = vec![0.1; r.len()];
         let mut field = ColourField::default();
-        let source = Particles { r: &r, z: &z, size: &size, list_r: &r, list_z: &z, support: 0.8 };
-        field.refresh(&source, all(r.len()), 1, (0.0, &DOMAIN));
+        let source = Particles { r: &r, z: &z, list_r: &r, list_z: &z, support: 0.8 };
+        field.refresh(&source, AREA, all(r.len()), 1, (0.0, &DOMAIN));
         field
     }
 
@@ -251,15 +250,13 @@ mod tests {
         let spiral = |k: u32, at: f64| 3.0 + 0.08 * f64::from(k).sqrt() * (at + 2.4 * f64::from(k)).sin();
         let r: Vec<f64> = (0..2000).map(|k| spiral(k, 0.5 * std::f64::consts::PI)).collect();
         let z: Vec<f64> = (0..2000).map(|k| spiral(k, 0.0)).collect();
-        let (size, moved) =
-            (vec![0.1; r.len()], |z: &[f64]| z.iter().map(|z| z + 0.01).collect::<Vec<f64>>());
-        let now = moved(&z);
-        let source = Particles { r: &r, z: &now, size: &size, list_r: &r, list_z: &z, support: 0.8 };
+        let now: Vec<f64> = z.iter().map(|z| z + 0.01).collect();
+        let source = Particles { r: &r, z: &now, list_r: &r, list_z: &z, support: 0.8 };
         let mut whole = ColourField::default();
-        whole.refresh(&source, all(2000), 1, (0.02, &DOMAIN));
+        whole.refresh(&source, AREA, all(2000), 1, (0.02, &DOMAIN));
         let mut part = ColourField::default();
         for centre in [1999, 3, 700] {
-            part.refresh(&source, [(centre, 1.0)].into_iter(), 1, (0.02, &DOMAIN));
+            part.refresh(&source, AREA, [(centre, 1.0)].into_iter(), 1, (0.02, &DOMAIN));
             assert!(part.bins.members().len() < 1500);
             let i = centre as usize;
             for (dr, dz) in [(0.0, 0.0), (0.1, 0.15), (-0.19, 0.0)] {

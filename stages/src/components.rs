@@ -1,25 +1,25 @@
 //! Connected components: which particles belong to one drop.
 
-use crate::equation_of_state::Packing;
 use bumpalo::Bump;
+use meniscus_engine::domain::Domain;
 use meniscus_engine::neighbours::NeighbourList;
 
 /// Joins every two particles within each other's support; a component's name is its least particle.
-/// Columns are r, z and size in metres.
+/// Columns are r and z in metres; a particle's reach in metres is half the support radius of a pair of equals.
 pub fn components<'a>(
     list: &NeighbourList,
-    packing: &Packing,
-    [r, z, size]: [&[f64]; 3],
+    domain: &Domain,
+    [r, z]: [&[f64]; 2],
+    reach: impl Fn(usize) -> f64,
     arena: &'a Bump,
 ) -> &'a mut [u32] {
-    let Packing { domain, theta, largest_size } = *packing;
     let is_near = |a: usize, number: usize| {
         let b = list.source(number);
         let (r_b, z_b) = match number.checked_sub(list.len()) {
             Some(image) => domain.place(&list.images()[image], r[b], z[b]),
             None => (r[b], z[b]),
         };
-        let support = 2.0 * theta * (size[a].min(largest_size) + size[b].min(largest_size));
+        let support = reach(a) + reach(b);
         let (dr, dz) = (r_b - r[a], z_b - z[a]);
         dr * dr + dz * dz < support * support
     };
@@ -71,17 +71,16 @@ fn root(parent: &mut [u32], mut i: u32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use meniscus_engine::domain::Domain;
 
     /// Components by joining all listed pairs that are near, one by one.
-    fn by_pairs(list: &NeighbourList, packing: &Packing, r: &[f64], z: &[f64], size: f64) -> Vec<u32> {
+    fn by_pairs(list: &NeighbourList, r: &[f64], z: &[f64], support: f64) -> Vec<u32> {
         let mut names: Vec<u32> = (0..r.len() as u32).collect();
         let mut has_changed = true;
         while has_changed {
             has_changed = false;
             for a in 0..r.len() {
                 for b in list.of(a).filter(|&b| b < r.len()) {
-                    let is_near = (r[b] - r[a]).hypot(z[b] - z[a]) < 4.0 * packing.theta * size;
+                    let is_near = (r[b] - r[a]).hypot(z[b] - z[a]) < support;
                     let least = names[a].min(names[b]);
                     if is_near && names[a] != names[b] {
                         (names[a], names[b], has_changed) = (least, least, true);
@@ -95,16 +94,15 @@ mod tests {
     #[test]
     fn components_are_those_of_the_pairs() {
         let domain = Domain { origin: 10.0, period: None };
-        let packing = Packing { domain, theta: 0.5, largest_size: 1.0 };
         for spread in [0.02, 0.05, 0.07, 0.1, 0.3] {
             let r: Vec<f64> = (0..900).map(|i| (f64::from(i) * 0.754_877_666).fract()).collect();
             let z: Vec<f64> = (0..900).map(|i| (f64::from(i) * 0.569_840_291).fract()).collect();
-            let (size, reach) = (vec![0.5 * spread; 900], vec![0.6 * spread; 900]);
+            let listed = vec![0.6 * spread; 900];
             let mut list = NeighbourList::default();
-            list.build([&r, &z, &reach], &domain);
+            list.build([&r, &z, &listed], &domain);
             let arena = Bump::new();
-            let found = components(&list, &packing, [&r, &z, &size], &arena);
-            let expected = by_pairs(&list, &packing, &r, &z, 0.5 * spread);
+            let found = components(&list, &domain, [&r, &z], |_| 0.5 * spread, &arena);
+            let expected = by_pairs(&list, &r, &z, spread);
             assert_eq!(found, expected, "within {spread}");
         }
     }

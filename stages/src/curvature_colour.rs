@@ -4,6 +4,7 @@ use crate::colour_field::ColourField;
 use crate::drops::{count, particles_of_drops};
 use crate::equation_of_state::Packing;
 use crate::fields;
+use crate::rows::PackedState;
 use crate::surface::{BOUNDARY, for_surface};
 use crate::surface_interval::{COMPUTED, HOLDS_UNTIL, holds, is_due, particle_time};
 use crate::surface_neighbours::SurfaceNeighbours;
@@ -51,7 +52,6 @@ pub struct CurvatureColour {
     packing: Packing,
     field: Arc<Mutex<ColourField>>,
     position: [Read<f64>; 2],
-    size: Read<f64>,
     surface: Read<u32>,
     drop: Read<u32>,
     pressure: Update<f64>,
@@ -87,7 +87,6 @@ impl CurvatureColour {
             packing,
             field,
             position: [wiring.read(&fields::RADIUS), wiring.read(&fields::AXIAL)],
-            size: wiring.read(&fields::SIZE),
             surface: wiring.read(&fields::SURFACE),
             drop: wiring.read(&fields::DROP),
             pressure: wiring.update(&fields::LAPLACE_PRESSURE),
@@ -108,7 +107,7 @@ impl CurvatureColour {
     /// Looks for the surface from every boundary particle.
     fn measure(&mut self, world: &World) {
         let [r, z] = self.position.map(|field| world.store.read(field));
-        let (size, surface) = (world.store.read(self.size), world.store.read(self.surface));
+        let (packed, surface) = (PackedState(&world.rows), world.store.read(self.surface));
         let surface = &surface[..];
         self.boundary.clear();
         self.near_boundary.clear();
@@ -121,13 +120,13 @@ impl CurvatureColour {
         self.found.clear();
         self.found.resize(self.boundary.len(), Found::default());
         let field = self.field.lock().expect("no stage panics while it holds the colour field");
-        let (r, z, size, boundary) = (&r[..], &z[..], &size[..], &self.boundary[..]);
+        let (r, z, boundary) = (&r[..], &z[..], &self.boundary[..]);
         let (field, settings, packing) = (&*field, self.settings, self.packing);
         parallel::for_chunks_of(16, boundary.len(), &mut self.found[..], |start, found| {
             for (k, found) in found.iter_mut().enumerate() {
                 let particle = boundary[start + k];
                 let i = particle as usize;
-                let size = size[i].min(packing.largest_size);
+                let size = packed.size(i).min(packing.largest_size);
                 let support = settings.support * even(size, 0.5 * packing.largest_size);
                 let known = field.known.binary_search_by_key(&particle, |(known, _)| *known);
                 let offset = [offset_r[i], offset_z[i]];
@@ -158,8 +157,8 @@ impl CurvatureColour {
     /// Sets the Laplace pressure, and its rate where it was known before.
     fn store_pressure(&mut self, world: &World) {
         let elapsed = world.clock.time - world.clock.mark(COMPUTED);
-        let size = world.store.read(self.size);
-        let size = |i: u32| size[i as usize].min(self.packing.largest_size);
+        let packed = PackedState(&world.rows);
+        let size = |i: u32| packed.size(i as usize).min(self.packing.largest_size);
         let mut columns = Columns {
             pressure: world.store.write(self.pressure),
             rate: world.store.write(self.rate),
@@ -207,10 +206,10 @@ impl CurvatureColour {
     fn set_marks(&self, world: &mut World) {
         let ColourCurvature { surface_tension, density, sound_speed, capillary_time, .. } = self.settings;
         let smallest = {
-            let size = world.store.read(self.size);
+            let packed = PackedState(&world.rows);
             let with_surface =
                 self.boundary.iter().zip(&self.found).filter(|(_, found)| found.curvature != 0.0);
-            with_surface.map(|(&i, _)| size[i as usize]).fold(self.packing.largest_size, f64::min)
+            with_surface.map(|(&i, _)| packed.size(i as usize)).fold(self.packing.largest_size, f64::min)
         };
         let holds = holds(surface_tension, density, sound_speed, smallest, capillary_time);
         let until = world.clock.time + holds;
@@ -245,17 +244,16 @@ impl CurvatureColour {
     /// (method.md, section 10, "The surface error, later", T).
     fn measure_slope(&mut self, world: &World) {
         let [r, z] = self.position.map(|field| world.store.read(field));
-        let size = world.store.read(self.size);
+        let packed = PackedState(&world.rows);
         let largest = self.packing.largest_size;
         self.neighbours.gather(&self.boundary, [&r, &z], 3.0 * largest, &self.packing.domain);
         let (near, boundary, found) = (&self.neighbours, &self.boundary[..], &self.found[..]);
-        let (size, tension) = (&size[..], self.settings.surface_tension);
+        let tension = self.settings.surface_tension;
         let slope = |k: usize| {
-            let own = size[boundary[k] as usize].min(largest);
+            let own = packed.size(boundary[k] as usize).min(largest);
             let there = |member: u32| {
                 let other = near.source(member as usize);
-                let size = size[boundary[other] as usize];
-                (size * size, tension * found[other].curvature)
+                (packed.area(boundary[other] as usize), tension * found[other].curvature)
             };
             near.slope(k, tension * found[k].curvature, [3.0 * own, own], found[k].tangent, there)
         };

@@ -3,6 +3,7 @@
 use crate::curvature_colour::capillary_bound;
 use crate::equation_of_state::Packing;
 use crate::fields;
+use crate::rows::PackedState;
 use crate::surface::{for_surface, length};
 use crate::surface_layer::SurfaceLayer;
 use meniscus_engine::bins::Bins;
@@ -24,7 +25,6 @@ pub struct CurvatureNormals {
     normal_theta: f64,
     packing: Packing,
     position: [Read<f64>; 2],
-    size: Read<f64>,
     surface: Read<u32>,
     pressure: Write<f64>,
     rate: Write<f64>,
@@ -61,7 +61,6 @@ impl CurvatureNormals {
             normal_theta,
             packing,
             position: [wiring.read(&fields::RADIUS), wiring.read(&fields::AXIAL)],
-            size: wiring.read(&fields::SIZE),
             surface: wiring.read(&fields::SURFACE),
             pressure: wiring.write(&fields::LAPLACE_PRESSURE),
             rate: wiring.write(&fields::LAPLACE_PRESSURE_RATE),
@@ -99,9 +98,9 @@ impl CurvatureNormals {
     }
 
     /// Particles and images near the surface, sorted for a search within the wider support.
-    fn gather(&mut self, r: &[f64], z: &[f64], size: &[f64]) {
+    fn gather(&mut self, r: &[f64], z: &[f64], packed: PackedState) {
         let Packing { domain, largest_size, .. } = self.packing;
-        self.largest = parallel::maximum(size.len(), |i| size[i]).min(largest_size);
+        self.largest = parallel::maximum(r.len(), |i| packed.area(i)).sqrt().min(largest_size);
         let support = 4.0 * self.normal_theta * self.largest;
         self.layer.mark([r, z], &self.with_normal, support);
         domain.images(r, z, support, &mut self.images);
@@ -109,7 +108,7 @@ impl CurvatureNormals {
         self.sources.clear();
         let mut push = |source: usize, mirrored: bool, (r, z): (f64, f64)| {
             if self.layer.contains(r, z) {
-                for (column, value) in self.points.iter_mut().zip([r, z, size[source]]) {
+                for (column, value) in self.points.iter_mut().zip([r, z, packed.size(source)]) {
                     column.push(value);
                 }
                 self.sources.push((source as u32, mirrored));
@@ -209,12 +208,12 @@ impl Stage for CurvatureNormals {
 
     fn run(&mut self, world: &mut World) -> Result<(), Fault> {
         let [r, z] = self.position.map(|field| world.store.read(field));
-        let (size, surface) = (world.store.read(self.size), world.store.read(self.surface));
+        let (packed, surface) = (PackedState(&world.rows), world.store.read(self.surface));
         self.choose(&surface, &world.neighbours);
-        self.gather(&r, &z, &size);
+        self.gather(&r, &z, packed);
         self.normals.resize(r.len(), [0.0; 2]);
-        let (r, z, size) = (&r[..], &z[..], &size[..]);
-        let place = |a: usize| [r[a], z[a], size[a]];
+        let (r, z) = (&r[..], &z[..]);
+        let place = |a: usize| [r[a], z[a], packed.size(a)];
         let mut found = std::mem::take(&mut self.found);
         Self::of_all(&mut found, &self.with_normal, |a| self.normal(place(a)));
         for (&a, &normal) in self.with_normal.iter().zip(&found) {

@@ -3,6 +3,7 @@
 use crate::components::components;
 use crate::equation_of_state::Packing;
 use crate::fields;
+use crate::rows::PackedState;
 use bumpalo::Bump;
 use meniscus_engine::pipeline::{Fault, Stage, World};
 use meniscus_engine::store::{Read, Update};
@@ -16,7 +17,6 @@ pub const INTERVAL: u64 = 20;
 pub struct Drops {
     packing: Packing,
     position: [Read<f64>; 2],
-    size: Read<f64>,
     drop: Update<u32>,
 }
 
@@ -27,7 +27,6 @@ impl Drops {
         Drops {
             packing,
             position: [wiring.read(&fields::RADIUS), wiring.read(&fields::AXIAL)],
-            size: wiring.read(&fields::SIZE),
             drop: wiring.update(&fields::DROP),
         }
     }
@@ -43,8 +42,9 @@ impl Stage for Drops {
             return Ok(());
         }
         let [r, z] = self.position.map(|field| world.store.read(field));
-        let size = world.store.read(self.size);
-        let root = components(&world.neighbours, &self.packing, [&r, &z, &size], &world.arena);
+        let packed = PackedState(&world.rows);
+        let reach = |i: usize| packed.reach(i);
+        let root = components(&world.neighbours, &self.packing.domain, [&r, &z], reach, &world.arena);
         let mut drop = world.store.write(self.drop);
         let mut count = 0;
         // A component is named after its least particle, which comes first.

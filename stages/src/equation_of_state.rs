@@ -1,8 +1,9 @@
-//! Equation of state: pressure and sound speed of every particle, and the packed rows for the pair pass.
+//! Equation of state: sound speed of every particle, and the packed rows for the pair pass, which hold size and pressure.
 
 use crate::fields;
 use crate::liquids::EquationOfState;
 use crate::record::{Deformation, Flow, Precision};
+use crate::reference_pressure::FIRST_REFERENCE;
 use crate::rows::{FirstPart, SecondPart, image_of_first, image_of_second, image_of_single};
 use meniscus_engine::domain::Domain;
 use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
@@ -104,12 +105,12 @@ pub struct State<E> {
     mass: Read<f64>,
     energy: Option<Read<f64>>,
     reference_pressure: Read<f64>,
+    /// That of the first drop, Pa.
+    first_reference: f64,
     second: Option<SecondRow>,
     precision: Precision,
     /// The unit of length of the rows, m.
     unit: f64,
-    size: Write<f64>,
-    pressure: Write<f64>,
     /// None where it is constant.
     sound_speed: Option<Write<f64>>,
     when: When,
@@ -137,11 +138,10 @@ impl<E: EquationOfState> State<E> {
             mass: wiring.read(&fields::MASS),
             energy: E::WITH_ENERGY.then(|| wiring.read(&fields::TOTAL_ENERGY)),
             reference_pressure: wiring.read(&fields::REFERENCE_PRESSURE),
+            first_reference: 0.0,
             second: SecondRow::new(wiring, second),
             precision,
             unit: packing.unit(precision),
-            size: wiring.write(&fields::SIZE),
-            pressure: wiring.write(&fields::PRESSURE),
             sound_speed: (!is_constant).then(|| wiring.write(&fields::SOUND_SPEED)),
             when: When::Anew,
             elapsed: 0.0,
@@ -154,18 +154,19 @@ impl<E: EquationOfState> State<E> {
         State { when: When::Ahead, ..self }
     }
 
-    /// Size, pressure and sound speed of the particles of a chunk, and their rows; by how much, m, any size has grown.
+    /// Sound speed of the particles of a chunk, and their rows; by how much, m, any reach has grown over that in the rows
+    /// before.
     fn evaluate<R: FirstPart>(&self, chunk: &Chunk) -> f64 {
         let [r, z] = self.position.map(|field| chunk.read(field));
         let [u, w] = self.velocity.map(|field| chunk.read(field));
         let (density, mass) = (chunk.read(self.density), chunk.read(self.mass));
         let reference = chunk.read(self.reference_pressure);
         let energy = self.energy.map(|field| chunk.read(field));
-        let (mut sizes, mut pressures) = (chunk.write(self.size), chunk.write(self.pressure));
         let mut sound_speeds = self.sound_speed.map(|field| chunk.write(field));
         let mut rows = chunk.rows();
         let mut growth = Lanes::ZERO;
         let largest = Lanes::splat(self.packing.largest_size);
+        let two_theta = Lanes::splat(2.0 * self.packing.theta);
         for (k, rows) in R::of(&mut rows).chunks_mut(WIDTH).enumerate() {
             let range = k * WIDTH..k * WIDTH + rows.len();
             let of = |column: &[f64], fill| Lanes::load_or(&column[range.clone()], fill).to_array();
@@ -179,23 +180,22 @@ impl<E: EquationOfState> State<E> {
             let radius = Lanes::load(&r) + Lanes::splat(self.packing.domain.origin);
             let around = Lanes::splat(2.0 * PI) * radius * Lanes::load(&density);
             let size = (Lanes::load(&mass) / around).sqrt();
-            let before = Lanes::load_or(&sizes[range.clone()], f64::MAX);
-            growth = growth.max(size.min(largest) - before.min(largest));
-            let size = size.to_array();
-            let pressure: [f64; WIDTH] =
-                std::array::from_fn(|i| self.equation.pressure(density[i], internal(i)) - reference[i]);
+            let reach = two_theta * size.min(largest);
+            let before = |i: usize| rows.get(i).map_or(f64::MAX, |row| row.least_reach(self.unit));
+            growth = growth.max(reach - Lanes::load(&std::array::from_fn::<f64, WIDTH, _>(before)));
+            let pressure: [f64; WIDTH] = std::array::from_fn(|i| {
+                self.equation.pressure(density[i], internal(i)) - (self.first_reference + reference[i])
+            });
             let sound_speed: [f64; WIDTH] =
                 std::array::from_fn(|i| self.equation.sound_speed(density[i], internal(i)));
-            sizes[range.clone()].copy_from_slice(&size[..rows.len()]);
-            pressures[range.clone()].copy_from_slice(&pressure[..rows.len()]);
             if let Some(sound_speeds) = &mut sound_speeds {
                 sound_speeds[range.clone()].copy_from_slice(&sound_speed[..rows.len()]);
             }
             let flow = Flow {
                 r,
                 z,
-                reach: size.map(|size: f64| 2.0 * self.packing.theta * size.min(self.packing.largest_size)),
-                area: size.map(|size| size * size),
+                reach: reach.to_array(),
+                area: (size * size).to_array(),
                 velocity_r: u,
                 velocity_z: w,
                 pressure,
@@ -317,6 +317,8 @@ impl<E: EquationOfState> ChunkStage for State<E> {
             Precision::Double => world.rows.resize(particles, images, self.second.is_some()),
             Precision::Mixed => world.rows.resize_single(particles, images),
         }
+        world.rows.unit = self.unit;
+        self.first_reference = world.clock.number(FIRST_REFERENCE);
         self.elapsed = match (self.when, world.clock.bound()) {
             (When::Ahead, Some(bound)) => bound.step_size,
             _ => world.clock.previous_step_size,
@@ -324,7 +326,7 @@ impl<E: EquationOfState> ChunkStage for State<E> {
         Ok(())
     }
 
-    /// By how much any size has grown since the step before, m.
+    /// By how much any reach has grown since the step before, m.
     fn chunk(&self, _: &Around, chunk: &Chunk) -> Partial {
         let growth = match self.precision {
             Precision::Double => {
@@ -347,7 +349,7 @@ impl<E: EquationOfState> ChunkStage for State<E> {
 
     fn finish(&mut self, world: &mut World, [growth, _]: Partial) -> Result<(), Fault> {
         if self.when == When::Ahead {
-            world.neighbours.note_motion(2.0 * self.packing.theta * growth);
+            world.neighbours.note_motion(growth);
         }
         self.mirror(world);
         world.rows.are_current = true;

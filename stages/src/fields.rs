@@ -27,12 +27,13 @@ pub static TOTAL_ENERGY: Real =
 /// Which drop it belongs to.
 pub static DROP: Index =
     Field::state("drop", "d", "1", "Number of the connected body of liquid that the particle belongs to.");
-/// Constant that is subtracted from pressures.
+/// Constant that is subtracted from pressures, less that of the first drop.
 pub static REFERENCE_PRESSURE: Real = Field::state(
     "reference_pressure",
     "P_ref",
     "Pa",
-    "Pressure subtracted from the particle's own and its ghost's, the same within one drop.",
+    "Pressure subtracted from the particle's own and its ghost's, the same within one drop, less that of the first \
+     drop, a number of the clock.",
 );
 /// Radius at which the neighbour list was built.
 pub static LIST_RADIUS: Real =
@@ -151,10 +152,6 @@ pub static DEFORMATION_CHANGE_ZZ: Real =
 
 // Computed anew in every step.
 
-/// Particle size D = sqrt(V).
-pub static SIZE: Real = Field::derived("size", "D", "m", "Particle size, the root of its area.");
-/// Pressure less the reference pressure.
-pub static PRESSURE: Real = Field::derived("pressure", "P", "Pa", "Pressure less the reference pressure.");
 /// Sound speed.
 pub static SOUND_SPEED: Real = Field::derived("sound_speed", "C", "m/s", "Speed of sound.");
 /// Volumetric strain rate d eps / dt.

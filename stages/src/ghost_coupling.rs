@@ -1,6 +1,8 @@
 //! Ghost coupling: every surface particle meets one ghost that holds the Laplace pressure.
 
 use crate::fields;
+use crate::reference_pressure::FIRST_REFERENCE;
+use crate::rows::PackedState;
 use crate::sound_speed::SoundSpeed;
 use crate::surface::{for_surface, length, outward};
 use crate::surface_interval::COMPUTED;
@@ -24,7 +26,6 @@ pub struct GhostCoupling {
     surface: Read<u32>,
     weight: [Read<f64>; 2],
     balance: Option<Balance>,
-    pressure: Read<f64>,
     reference_pressure: Read<f64>,
     density: Read<f64>,
     sound_speed: SoundSpeed,
@@ -67,7 +68,6 @@ impl GhostCoupling {
                 lack: lack.map(|field| wiring.read(field)),
                 tangent: tangent.map(|field| wiring.read(field)),
             }),
-            pressure: wiring.read(&fields::PRESSURE),
             reference_pressure: wiring.read(&fields::REFERENCE_PRESSURE),
             density: wiring.read(&fields::DENSITY),
             sound_speed: SoundSpeed::new(wiring, constant_sound_speed),
@@ -88,7 +88,8 @@ impl ChunkStage for GhostCoupling {
 
     fn chunk(&self, around: &Around, chunk: &Chunk) -> Partial {
         let [weight_r, weight_z] = self.weight.map(|field| chunk.read(field));
-        let (pressure, reference) = (chunk.read(self.pressure), chunk.read(self.reference_pressure));
+        let (packed, reference) = (PackedState(around.rows), chunk.read(self.reference_pressure));
+        let first_reference = around.clock.number(FIRST_REFERENCE);
         let (density, sound_speed) = (chunk.read(self.density), self.sound_speed.of(chunk));
         let (laplace, laplace_rate) = (chunk.read(self.laplace), chunk.read(self.laplace_rate));
         // Between two computations of the curvature its pressure is carried on at the last rate:
@@ -106,7 +107,8 @@ impl ChunkStage for GhostCoupling {
         clear(&mut force_z);
         for_surface(&chunk.read(self.surface), |i| {
             let weight = [weight_r[i], weight_z[i]];
-            let mut ghost_pressure = laplace[i] + elapsed * laplace_rate[i] - reference[i];
+            let reference = first_reference + reference[i];
+            let mut ghost_pressure = laplace[i] + elapsed * laplace_rate[i] - reference;
             let mut along = [0.0; 2];
             if let Some((lack, tangent)) = &balance {
                 let (lack, tangent) = (lack.each_ref().map(|lack| lack[i]), tangent.each_ref().map(|t| t[i]));
@@ -117,11 +119,12 @@ impl ChunkStage for GhostCoupling {
                     along = tangent.map(|tangent| pull * tangent);
                 }
             }
+            let pressure = packed.pressure(chunk.start + i);
             let impedance = density[i] * sound_speed.at(i);
             let ghost_impedance = IMPEDANCE_RATIO * impedance;
             let both = impedance + ghost_impedance;
-            let star = (ghost_pressure * impedance + pressure[i] * ghost_impedance) / both;
-            let rise = (pressure[i] - ghost_pressure) / both;
+            let star = (ghost_pressure * impedance + pressure * ghost_impedance) / both;
+            let rise = (pressure - ghost_pressure) / both;
             let length = length(weight);
             strain_rate[i] += 2.0 * rise * length;
             let force = [0, 1].map(|axis| -2.0 * star * weight[axis] - along[axis]);

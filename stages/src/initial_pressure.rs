@@ -4,6 +4,8 @@ use crate::components::components;
 use crate::equation_of_state::Packing;
 use crate::fields;
 use crate::liquids::EquationOfState;
+use crate::reference_pressure::FIRST_REFERENCE;
+use crate::rows::PackedState;
 use crate::surface::BOUNDARY;
 use meniscus_engine::pipeline::{Fault, Stage, World};
 use meniscus_engine::store::{Read, Update, Write};
@@ -17,7 +19,6 @@ pub struct InitialPressure<E> {
     with_reference: bool,
     identity: Read<u32>,
     position: [Read<f64>; 2],
-    size: Read<f64>,
     mass: Read<f64>,
     surface: Read<u32>,
     laplace_pressure: Read<f64>,
@@ -35,7 +36,6 @@ impl<E: EquationOfState> InitialPressure<E> {
             with_reference,
             identity: wiring.read(&fields::IDENTITY),
             position: [wiring.read(&fields::RADIUS), wiring.read(&fields::AXIAL)],
-            size: wiring.read(&fields::SIZE),
             mass: wiring.read(&fields::MASS),
             surface: wiring.read(&fields::SURFACE),
             laplace_pressure: wiring.read(&fields::LAPLACE_PRESSURE),
@@ -53,8 +53,9 @@ impl<E: EquationOfState> Stage for InitialPressure<E> {
     fn run(&mut self, world: &mut World) -> Result<(), Fault> {
         let store = &world.store;
         let [r, z] = self.position.map(|field| store.read(field));
-        let columns = [&r[..], &z[..], &store.read(self.size)];
-        let component = components(&world.neighbours, &self.packing, columns, &world.arena);
+        let packed = PackedState(&world.rows);
+        let reach = |i: usize| packed.reach(i);
+        let component = components(&world.neighbours, &self.packing.domain, [&r, &z], reach, &world.arena);
         let (mass, surface) = (store.read(self.mass), store.read(self.surface));
         let laplace = store.read(self.laplace_pressure);
         let sums = world.arena.alloc_slice_fill_copy(r.len(), [0.0f64; 2]);
@@ -65,14 +66,24 @@ impl<E: EquationOfState> Stage for InitialPressure<E> {
             }
         }
         let (mut density, mut reference) = (store.write(self.density), store.write(self.reference));
-        for (i, &root) in component.iter().enumerate() {
+        let pressure_of = |root: u32| {
             let [upper, lower] = sums[root as usize];
-            let pressure = if lower > 0.0 { upper / lower } else { 0.0 };
+            if lower > 0.0 { upper / lower } else { 0.0 }
+        };
+        let first = component.first().map_or(0.0, |&root| pressure_of(root));
+        for (i, &root) in component.iter().enumerate() {
+            let pressure = pressure_of(root);
             // The linear relation about the present density; exact for the linear equation of state.
             let sound_speed = self.equation.sound_speed(density[i], 0.0);
             let excess = pressure - self.equation.pressure(density[i], 0.0);
             density[i] += excess / (sound_speed * sound_speed);
-            reference[i] = if self.with_reference { pressure } else { 0.0 };
+            let difference = if self.with_reference { pressure - first } else { 0.0 };
+            if reference[i] != difference {
+                reference[i] = difference;
+            }
+        }
+        if self.with_reference {
+            world.clock.set_number(FIRST_REFERENCE, first);
         }
         // Too low a sound speed makes the pressure ask for a density that there is not.
         match (0..r.len()).find(|&i| density[i].is_nan() || density[i] <= 0.0) {

@@ -7,7 +7,7 @@ use meniscus_engine::lanes::{Lanes, WIDTH};
 use meniscus_engine::pipeline::{Fault, World};
 use meniscus_engine::store::{Read, Update};
 use meniscus_engine::wiring::Wiring;
-use std::f64::consts::SQRT_2;
+use std::f64::consts::{PI, SQRT_2};
 
 /// Distance from the axis, in particle sizes, at which a ring has closed. Nothing that flows comes so near;
 /// spray without neighbours does, and its hoop strain would end the run.
@@ -36,7 +36,7 @@ pub struct Integrate {
     dissipation: [Read<f64>; 2],
     strain_rate: Read<f64>,
     energy: Option<(Update<f64>, Read<f64>)>,
-    size: Read<f64>,
+    mass: Read<f64>,
     step: Step,
 }
 
@@ -57,7 +57,7 @@ impl Integrate {
             dissipation: [wiring.read(&fields::DISSIPATION_R), wiring.read(&fields::DISSIPATION_Z)],
             strain_rate: wiring.read(&fields::STRAIN_RATE),
             energy: with_energy.then(|| (wiring.update(&fields::TOTAL_ENERGY), wiring.read(&fields::POWER))),
-            size: wiring.read(&fields::SIZE),
+            mass: wiring.read(&fields::MASS),
             step: Step::default(),
         }
     }
@@ -77,7 +77,7 @@ impl Integrate {
     fn advance(&self, chunk: &Chunk) -> (Option<usize>, f64) {
         let [force_r, force_z] = self.force.map(|field| chunk.read(field));
         let [dissipation_r, dissipation_z] = self.dissipation.map(|field| chunk.read(field));
-        let (strain_rate, size) = (chunk.read(self.strain_rate), chunk.read(self.size));
+        let (strain_rate, mass) = (chunk.read(self.strain_rate), chunk.read(self.mass));
         let [mut r, mut z] = self.position.map(|field| chunk.write(field));
         let [mut u, mut w] = self.velocity.map(|field| chunk.write(field));
         let mut density = chunk.write(self.density);
@@ -88,7 +88,8 @@ impl Integrate {
         let (mut bad, mut farthest) = (None, Lanes::ZERO);
         for first in (0..chunk.len()).step_by(WIDTH) {
             let eight = first..chunk.len().min(first + WIDTH);
-            let inverse = Lanes::ONE / Lanes::load_or(&density[eight.clone()], 1.0);
+            let before = Lanes::load_or(&density[eight.clone()], 1.0);
+            let inverse = Lanes::ONE / before;
             let component = |force: &[f64], dissipation: &[f64], previous: Option<&mut [f64]>| {
                 let force = Lanes::load_or(&force[eight.clone()], 0.0) * inverse;
                 let dissipation = Lanes::load_or(&dissipation[eight.clone()], 0.0) * inverse;
@@ -102,13 +103,15 @@ impl Integrate {
             let dw = component(&force_z, &dissipation_z, previous_z);
             let (new_u, moved_r) = step.advance(&mut r[eight.clone()], &mut u[eight.clone()], du);
             let radius = Lanes::load_or(&r[eight.clone()], 1.0) + Lanes::splat(origin);
-            let closed = Lanes::splat(CLOSED) * Lanes::load_or(&size[eight.clone()], 0.0);
-            let new_u = closed.select_greater(radius, new_u.max(Lanes::ZERO), new_u);
+            // R < CLOSED D with D^2 = m/(2 pi R rho).
+            let closed = Lanes::splat(CLOSED * CLOSED) * Lanes::load_or(&mass[eight.clone()], 0.0);
+            let open = Lanes::splat(2.0 * PI) * radius * radius * radius * before;
+            let new_u = closed.select_greater(open, new_u.max(Lanes::ZERO), new_u);
             new_u.store(&mut u[eight.clone()]);
             let (new_w, moved_z) = step.advance(&mut z[eight.clone()], &mut w[eight.clone()], dw);
             farthest = farthest.max(length_at_most(moved_r, moved_z));
             let strain = step.dt * Lanes::load_or(&strain_rate[eight.clone()], 0.0);
-            let new_density = Lanes::load_or(&density[eight.clone()], 1.0) * (-strain).exp();
+            let new_density = before * (-strain).exp();
             new_density.store(&mut density[eight.clone()]);
             // One test for all: the sum is finite where every part is.
             let sum = new_density + new_u + new_w + Lanes::load_or(&z[eight.clone()], 0.0);

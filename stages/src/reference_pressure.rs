@@ -2,9 +2,14 @@
 
 use crate::drops::{INTERVAL, count};
 use crate::fields;
+use crate::rows::PackedState;
 use meniscus_engine::pipeline::{Fault, Stage, World};
 use meniscus_engine::store::{Read, Update};
 use meniscus_engine::wiring::Wiring;
+
+/// The number of the clock that is the first drop's reference, Pa. Columns hold the others' less that: where there is
+/// one drop, nothing is written and no memory taken.
+pub const FIRST_REFERENCE: &str = "reference pressure of the first drop";
 
 /// How far the reference follows the mean pressure in one update.
 const RELAXATION: f64 = 0.05;
@@ -23,7 +28,6 @@ const SPREAD: f64 = 0.1;
 pub struct ReferencePressure {
     drop: Read<u32>,
     mass: Read<f64>,
-    pressure: Read<f64>,
     reference: Update<f64>,
 }
 
@@ -34,7 +38,6 @@ impl ReferencePressure {
         ReferencePressure {
             drop: wiring.read(&fields::DROP),
             mass: wiring.read(&fields::MASS),
-            pressure: wiring.read(&fields::PRESSURE),
             reference: wiring.update(&fields::REFERENCE_PRESSURE),
         }
     }
@@ -49,15 +52,17 @@ impl Stage for ReferencePressure {
         if !world.clock.step.is_multiple_of(INTERVAL) {
             return Ok(());
         }
+        let first = world.clock.number(FIRST_REFERENCE);
         let drop = world.store.read(self.drop);
-        let (mass, pressure) = (world.store.read(self.mass), world.store.read(self.pressure));
+        let (mass, packed) = (world.store.read(self.mass), PackedState(&world.rows));
         let mut reference = world.store.write(self.reference);
         // Per drop: mass, and mass times reference, times pressure, and times that squared.
         let sums = world.arena.alloc_slice_fill_copy(count(&drop), [0.0f64; 4]);
         for (i, &number) in drop.iter().enumerate() {
-            let (sum, pressure) = (&mut sums[number as usize], pressure[i] + reference[i]);
+            let reference = first + reference[i];
+            let (sum, pressure) = (&mut sums[number as usize], packed.pressure(i) + reference);
             sum[0] += mass[i];
-            sum[1] += mass[i] * reference[i];
+            sum[1] += mass[i] * reference;
             sum[2] += mass[i] * pressure;
             sum[3] += mass[i] * pressure * pressure;
         }
@@ -67,9 +72,14 @@ impl Stage for ReferencePressure {
             let now = if mean == 0.0 { 0.0 } else { mean / (1.0 + spread * spread) };
             sum[1] = before + RELAXATION * (now - before);
         }
+        let [_, first, ..] = sums[0];
         for (reference, &number) in reference.iter_mut().zip(drop.iter()) {
-            *reference = sums[number as usize][1];
+            let now = sums[number as usize][1] - first;
+            if *reference != now {
+                *reference = now;
+            }
         }
+        world.clock.set_number(FIRST_REFERENCE, first);
         Ok(())
     }
 }

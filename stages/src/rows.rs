@@ -2,7 +2,7 @@
 
 use crate::record::{Deformation, Flow};
 use meniscus_engine::domain::{Domain, Image};
-use meniscus_engine::lanes::{COORDINATE, HalfRow, Lanes, Row, RowPart, SingleRow, WIDTH, place};
+use meniscus_engine::lanes::{COORDINATE, HalfRow, Lanes, Row, RowPart, RowTable, SingleRow, WIDTH, place};
 
 /// A row that takes up flow states.
 pub trait FirstPart: Send + Sized {
@@ -12,6 +12,9 @@ pub trait FirstPart: Send + Sized {
     /// Turns the states of eight particles into as many rows as are asked for, with `unit` metres as the unit
     /// of length in single precision.
     fn pack(flow: &Flow<[f64; WIDTH]>, rows: &mut [Self], unit: f64);
+
+    /// No more than the reach, m, that was packed.
+    fn least_reach(&self, unit: f64) -> f64;
 }
 
 /// A row that takes up what follows the flow state.
@@ -41,6 +44,11 @@ impl FirstPart for Row {
             *row = Row(lanes.to_array());
         }
     }
+
+    #[inline(always)]
+    fn least_reach(&self, _: f64) -> f64 {
+        self.0[2]
+    }
 }
 
 impl FirstPart for SingleRow {
@@ -66,6 +74,11 @@ impl FirstPart for SingleRow {
         for (SingleRow(slots), r) in rows.iter_mut().zip(single(&flow.r, inverse)) {
             slots[COORDINATE] = r;
         }
+    }
+
+    #[inline(always)]
+    fn least_reach(&self, unit: f64) -> f64 {
+        f64::from(self.0[2] * (1.0 - f32::EPSILON)) * unit
     }
 }
 
@@ -101,6 +114,53 @@ impl SecondPart for SingleRow {
     #[inline(always)]
     fn set_density(&mut self, density: f64, kernel_scale: f64) {
         self.0[WIDTH..COORDINATE].copy_from_slice(&[density as f32, 0.0, 0.0, kernel_scale as f32]);
+    }
+}
+
+/// What the rows tell of particles as they are at the beginning of the step: no columns hold it.
+#[derive(Clone, Copy, Debug)]
+pub struct PackedState<'a>(pub &'a RowTable);
+
+impl PackedState<'_> {
+    /// Half the support radius of a pair of equals, m.
+    #[inline(always)]
+    pub fn reach(self, particle: usize) -> f64 {
+        let [_, _, reach, ..] = self.slots(particle);
+        reach * self.unit()
+    }
+
+    /// Area, m2.
+    #[inline(always)]
+    pub fn area(self, particle: usize) -> f64 {
+        let [_, _, _, area, ..] = self.slots(particle);
+        area * (self.unit() * self.unit())
+    }
+
+    /// D, the root of the area, m.
+    #[inline(always)]
+    pub fn size(self, particle: usize) -> f64 {
+        self.area(particle).sqrt()
+    }
+
+    /// Pressure less the reference pressure, Pa.
+    #[inline(always)]
+    pub fn pressure(self, particle: usize) -> f64 {
+        let [.., pressure, _] = self.slots(particle);
+        pressure
+    }
+
+    #[inline(always)]
+    fn slots(self, particle: usize) -> [f64; WIDTH] {
+        match self.0.first.get(particle) {
+            Some(Row(slots)) => *slots,
+            None => std::array::from_fn(|slot| f64::from(self.0.single[particle].0[slot])),
+        }
+    }
+
+    /// In double precision the unit is the metre.
+    #[inline(always)]
+    fn unit(self) -> f64 {
+        if self.0.single.is_empty() { 1.0 } else { self.0.unit }
     }
 }
 

@@ -3,6 +3,7 @@
 use crate::fields;
 use crate::integrate::CLOSED;
 use crate::moment::Moment;
+use crate::rows::PackedState;
 use crate::surface::BOUNDARY;
 use meniscus_engine::field::Field;
 use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
@@ -58,7 +59,6 @@ pub struct Strength {
 /// the time with the greatest speed.
 pub struct Shifting {
     strength: Strength,
-    size: Read<f64>,
     crowding: [Read<f64>; 2],
     moment: [Read<f64>; 3],
     deformation: Option<[Read<f64>; 3]>,
@@ -134,7 +134,6 @@ impl Shifting {
         let moment = [&fields::MOMENT_RR, &fields::MOMENT_RZ, &fields::MOMENT_ZZ];
         Shifting {
             strength,
-            size: wiring.read(&fields::SIZE),
             crowding: [wiring.read(&fields::CROWDING_R), wiring.read(&fields::CROWDING_Z)],
             moment: moment.map(|field| wiring.read(field)),
             deformation: with_deformation.then(|| DEFORMATION.map(|field| wiring.read(field))),
@@ -164,7 +163,9 @@ fn along_surface(shift: [f64; 2], outward: [f64; 2]) -> [f64; 2] {
 
 /// What decides on the shifts of a chunk.
 struct Neighbourhoods<'a> {
-    size: Ref<'a, [f64]>,
+    packed: PackedState<'a>,
+    /// Number of the chunk's first particle.
+    start: usize,
     surface: Ref<'a, [u32]>,
     moment: [Ref<'a, [f64]>; 3],
 }
@@ -173,6 +174,10 @@ impl Neighbourhoods<'_> {
     fn moment(&self, k: usize) -> Moment {
         let [rr, rz, zz] = &self.moment;
         Moment { rr: rr[k], rz: rz[k], zz: zz[k] }
+    }
+
+    fn size(&self, k: usize) -> f64 {
+        self.packed.size(self.start + k)
     }
 
     /// Whether none of the eight particles from k on needs a shift off the boundary; `r` are their distances from
@@ -184,7 +189,10 @@ impl Neighbourhoods<'_> {
         let (difference, shear) = (rr - zz, rz + rz);
         let most = Lanes::splat(0.99 * UNEVEN[0]) * (rr + zz);
         let uneven = difference.mul_add(difference, shear.mul_add(shear, -(most * most)));
-        let closing = Lanes::splat(1.01 * CLOSING[0]).mul_add(load(&self.size), -r);
+        let area = Lanes::load(&std::array::from_fn::<f64, WIDTH, _>(|lane| {
+            self.packed.area(self.start + k + lane)
+        }));
+        let closing = Lanes::splat(1.01 * CLOSING[0] * 1.01 * CLOSING[0]).mul_add(area, -(r * r));
         let inside = self.surface[k..k + WIDTH].iter().fold(true, |all, code| all & (*code != BOUNDARY));
         inside && (-(uneven.max(closing))).all_positive()
     }
@@ -195,10 +203,10 @@ impl Neighbourhoods<'_> {
             return 1.0;
         }
         let moment = self.moment(k);
-        if !moment.is_anisotropic(UNEVEN[0]) && radius >= CLOSING[0] * self.size[k] {
+        if !moment.is_anisotropic(UNEVEN[0]) && radius >= CLOSING[0] * self.size(k) {
             return 0.0;
         }
-        ramp(moment.anisotropy(), UNEVEN).max(ramp(radius / self.size[k], CLOSING))
+        ramp(moment.anisotropy(), UNEVEN).max(ramp(radius / self.size(k), CLOSING))
     }
 }
 
@@ -212,7 +220,7 @@ impl Shifting {
         (radius, needed): (f64, f64),
     ) -> [f64; 2] {
         let Strength { coefficient, speed, rate, theta, .. } = self.strength;
-        let size = neighbourhoods.size[k];
+        let size = neighbourhoods.size(k);
         let support = 4.0 * theta * size;
         let speed = match &columns.deformation {
             Some([rr, shear, zz]) => {
@@ -253,7 +261,8 @@ impl ChunkStage for Shifting {
         // As far as particles shift in a step, one is as long as the one before.
         let step_size = around.clock.previous_step_size;
         let neighbourhoods = Neighbourhoods {
-            size: chunk.read(self.size),
+            packed: PackedState(around.rows),
+            start: chunk.start,
             surface: chunk.read(self.surface),
             moment: self.moment.map(|field| chunk.read(field)),
         };

@@ -2,12 +2,13 @@
 
 use crate::equation_of_state::Packing;
 use crate::fields;
+use crate::rows::PackedState;
 use crate::time_step::INNERMOST;
 use crate::void_closing::{LONGEST, steps_between};
 use arrayvec::ArrayVec;
 use meniscus_engine::parallel;
 use meniscus_engine::pipeline::{Fault, Stage, World};
-use meniscus_engine::store::{Read, Update, bytes_of};
+use meniscus_engine::store::{Update, bytes_of};
 use meniscus_engine::wiring::Wiring;
 
 /// Difference of two areas over their sum that remains, a tenth of the size. In packings that have settled it is half
@@ -47,7 +48,6 @@ pub struct SizeEvening {
     rate: f64,
     /// Longest time between two exchanges, s.
     longest: f64,
-    size: Read<f64>,
     position: [Update<f64>; 2],
     mass: Update<f64>,
     carried: ArrayVec<Update<f64>, CARRIED>,
@@ -89,7 +89,6 @@ impl SizeEvening {
             packing,
             rate: RATE * capillary_rate,
             longest: LONGEST / capillary_rate,
-            size: wiring.read(&fields::SIZE),
             position: [wiring.update(&fields::RADIUS), wiring.update(&fields::AXIAL)],
             mass: wiring.update(&fields::MASS),
             carried,
@@ -100,30 +99,29 @@ impl SizeEvening {
 
     /// Finds who has a neighbour of another size: few, and in a gentle flow nobody.
     fn find_uneven(&mut self, world: &World) {
-        let (size, list) = (world.store.read(self.size), &world.neighbours);
-        let area = |i: usize| size[i] * size[i];
+        let (packed, list) = (PackedState(&world.rows), &world.neighbours);
         self.uneven.clear();
-        self.uneven.extend((0..size.len() as u32).filter(|&i| {
-            let own = area(i as usize);
-            list.of(i as usize).any(|number| excess(own, area(list.source(number))) != 0.0)
+        self.uneven.extend((0..world.store.len() as u32).filter(|&i| {
+            let own = packed.area(i as usize);
+            list.of(i as usize).any(|number| excess(own, packed.area(list.source(number))) != 0.0)
         }));
     }
 
     /// Finds what they gain if `part` of the differences is exchanged.
     fn find_gains(&mut self, world: &World, part: f64) {
         let Packing { theta, largest_size, domain } = self.packing;
-        let size = world.store.read(self.size);
+        let packed = PackedState(&world.rows);
         let [r, z] = self.position.map(|field| world.store.write(field));
         let mass = world.store.write(self.mass);
         let carried: ArrayVec<_, CARRIED> =
             self.carried.iter().map(|&field| world.store.write(field)).collect();
         let carried: ArrayVec<&[f64], CARRIED> = carried.iter().map(|column| &column[..]).collect();
-        let (size, r, z, mass, list) = (&size[..], &r[..], &z[..], &mass[..], &world.neighbours);
+        let (r, z, mass, list) = (&r[..], &z[..], &mass[..], &world.neighbours);
         let gain_of = |a: usize| {
             let mut gain = Gain::default();
             for number in list.of(a) {
                 let b = list.source(number);
-                let excess = excess(size[a] * size[a], size[b] * size[b]);
+                let excess = excess(packed.area(a), packed.area(b));
                 if excess == 0.0 {
                     continue;
                 }
@@ -134,7 +132,8 @@ impl SizeEvening {
                     None => (r[b], z[b]),
                 };
                 let (dr, dz) = (r_b - r[a], z_b - z[a]);
-                let support = 2.0 * theta * (size[a].min(largest_size) + size[b].min(largest_size));
+                let support =
+                    2.0 * theta * (packed.size(a).min(largest_size) + packed.size(b).min(largest_size));
                 let inside = (1.0 - (dr * dr + dz * dz).sqrt() / support).max(0.0);
                 let both = 2.0 * mass[a] * mass[b] / (mass[a] + mass[b]);
                 let given = part * inside / NEIGHBOURS * both * excess;
@@ -159,7 +158,7 @@ impl SizeEvening {
 
     /// Gives out what was found; no less than how far, m, any of them moved and its reach grew.
     fn exchange(&self, world: &World) -> f64 {
-        let size = world.store.read(self.size);
+        let packed = PackedState(&world.rows);
         let [mut r, mut z] = self.position.map(|field| world.store.write(field));
         let mut mass = world.store.write(self.mass);
         let mut carried: ArrayVec<_, CARRIED> =
@@ -171,14 +170,15 @@ impl SizeEvening {
             let growth = (now / mass[i]).sqrt() - 1.0;
             let [dr, dz] = gain.moment.map(|moment| moment / now);
             // The innermost rings stay where they are; nothing would hold them off the axis.
-            let is_innermost = r[i] + self.packing.domain.origin + dr < INNERMOST * size[i];
+            let size = packed.size(i);
+            let is_innermost = r[i] + self.packing.domain.origin + dr < INNERMOST * size;
             r[i] += if is_innermost { dr.max(0.0) } else { dr };
             z[i] += dz;
             mass[i] = now;
             for (column, sum) in carried.iter_mut().zip(gain.carried) {
                 column[i] += sum / now;
             }
-            let reach = 2.0 * self.packing.theta * size[i];
+            let reach = 2.0 * self.packing.theta * size;
             farthest = farthest.max((dr * dr + dz * dz).sqrt() + reach * growth.abs());
         }
         farthest

@@ -29,6 +29,8 @@ use crate::contour::{Contour, SurfaceParticle};
 use crate::equation_of_state::Packing;
 use crate::fields;
 use crate::moment::Moment;
+use crate::reference_pressure::FIRST_REFERENCE;
+use crate::rows::PackedState;
 use crate::surface::{BOUNDARY, for_surface, outward};
 use crate::surface_interval::COMPUTED;
 use meniscus_engine::field::clear;
@@ -48,7 +50,6 @@ pub struct TensionBalance {
     /// sigma, N/m.
     tension: f64,
     position: [Read<f64>; 2],
-    size: Read<f64>,
     surface: Read<u32>,
     offset: [Read<f64>; 2],
     tangent: [Read<f64>; 2],
@@ -73,7 +74,6 @@ impl TensionBalance {
             packing,
             tension,
             position: [wiring.read(&fields::RADIUS), wiring.read(&fields::AXIAL)],
-            size: wiring.read(&fields::SIZE),
             surface: wiring.read(&fields::SURFACE),
             offset: [wiring.read(&fields::SURFACE_OFFSET_R), wiring.read(&fields::SURFACE_OFFSET_Z)],
             tangent: [wiring.read(&fields::SURFACE_TANGENT_R), wiring.read(&fields::SURFACE_TANGENT_Z)],
@@ -98,8 +98,9 @@ impl TensionBalance {
         let [weight_r, weight_z] = self.weight.map(|field| world.store.read(field));
         let [slope_r, slope_z] = self.slope.map(|field| world.store.read(field));
         let [rr, rz, zz] = self.support_lack.map(|field| world.store.read(field));
-        let (size, surface) = (world.store.read(self.size), world.store.read(self.surface));
+        let (packed, surface) = (PackedState(&world.rows), world.store.read(self.surface));
         let (pressure, reference) = (world.store.read(self.pressure), world.store.read(self.reference));
+        let first_reference = world.clock.number(FIRST_REFERENCE);
         let Packing { largest_size, domain, .. } = self.packing;
         self.numbers.clear();
         for_surface(&surface, |i| {
@@ -110,25 +111,27 @@ impl TensionBalance {
         self.particles.clear();
         self.particles.extend(self.numbers.iter().map(|&i| {
             let i = i as usize;
+            let size = packed.size(i);
             let foot = [r[i] + offset_r[i], z[i] + offset_z[i]];
             let tangent = [tangent_r[i], tangent_z[i]];
-            let nearest = 0.1 * size[i].min(largest_size);
+            let nearest = 0.1 * size.min(largest_size);
             let ring = ((r[i] + domain.origin) / (foot[0] + domain.origin).max(nearest)).clamp(0.5, 1.5);
-            let volume = size[i] * size[i] * ring;
+            let volume = size * size * ring;
             let area = [2.0 * volume * weight_r[i], 2.0 * volume * weight_z[i]];
             let missing = Moment { rr: rr[i], rz: rz[i], zz: zz[i] };
             let deep = missing.apply(tangent);
-            let acting = pressure[i] - reference[i];
+            let reference = first_reference + reference[i];
+            let acting = pressure[i] - reference;
             let [tangential_r, tangential_z] = missing.apply([slope_r[i], slope_z[i]]);
             SurfaceParticle {
                 is_boundary: surface[i] == BOUNDARY,
-                size: size[i].min(largest_size),
+                size: size.min(largest_size),
                 foot,
                 tangent,
                 area: outward(area, tangent).max(0.0),
                 depth: volume * (deep[0] * tangent[0] + deep[1] * tangent[1]),
                 pressure: pressure[i],
-                reference: reference[i],
+                reference,
                 force: [acting * area[0] + volume * tangential_r, acting * area[1] + volume * tangential_z],
                 missing: deep.map(|deep| acting * volume * deep),
             }

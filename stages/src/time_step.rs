@@ -8,6 +8,7 @@ use meniscus_engine::lanes::{Lanes, WIDTH};
 use meniscus_engine::pipeline::{Fault, World};
 use meniscus_engine::store::Read;
 use meniscus_engine::wiring::Wiring;
+use std::f64::consts::PI;
 
 /// A step this much shorter than the acoustic one at rest is a blow-up, not a step.
 const VANISHING: f64 = 1e-4;
@@ -34,7 +35,8 @@ pub struct TimeStep {
     bad_state: BadState,
     radius: Read<f64>,
     strain_rate: Read<f64>,
-    size: Read<f64>,
+    density: Read<f64>,
+    mass: Read<f64>,
     sound_speed: SoundSpeed,
 }
 
@@ -47,7 +49,8 @@ impl TimeStep {
             bad_state: BadState::new(wiring, "time-step", courant.origin),
             radius: wiring.read(&fields::RADIUS),
             strain_rate: wiring.read(&fields::STRAIN_RATE),
-            size: wiring.read(&fields::SIZE),
+            density: wiring.read(&fields::DENSITY),
+            mass: wiring.read(&fields::MASS),
             sound_speed: SoundSpeed::new(wiring, constant_sound_speed),
         }
     }
@@ -63,24 +66,28 @@ impl ChunkStage for TimeStep {
     /// (C dt/R)^2/4 a step, which the pressure diffusion of the contacts must outweigh. (The innermost rings of
     /// a regular packing lie at .43 D.) Here the largest (CFL/dt)^2.
     fn chunk(&self, _: &Around, chunk: &Chunk) -> Partial {
-        let (size, sound_speed) = (chunk.read(self.size), self.sound_speed.of(chunk));
-        let (strain_rate, r) = (chunk.read(self.strain_rate), chunk.read(self.radius));
-        let origin = Lanes::splat(self.courant.origin);
+        let (strain_rate, sound_speed) = (chunk.read(self.strain_rate), self.sound_speed.of(chunk));
+        let [r, density, mass] = [self.radius, self.density, self.mass].map(|field| chunk.read(field));
+        let (origin, two_pi) = (Lanes::splat(self.courant.origin), Lanes::splat(2.0 * PI));
+        let innermost = Lanes::splat(INNERMOST * INNERMOST);
         let (mut largest, mut all) = (Lanes::ZERO, Lanes::ZERO);
         for first in (0..chunk.len()).step_by(WIDTH) {
             let eight = first..chunk.len().min(first + WIDTH);
             let load = |column: &[f64], fill| Lanes::load_or(&column[eight.clone()], fill);
-            let size = load(&size, f64::MAX.sqrt());
-            let (radius, innermost) = (load(&r, f64::MAX) + origin, Lanes::splat(INNERMOST) * size);
-            let length = if (radius - innermost).all_positive() {
-                size
+            // Whoever fills up the last eight is large, and far from the axis.
+            let radius = load(&r, 1e150) + origin;
+            // 1/D^2 and (R/D)^2.
+            let inverse = two_pi * radius * load(&density, 1.0) / load(&mass, 1e300);
+            let distance = radius * radius * inverse;
+            let inverse_length = if (distance - innermost).all_positive() {
+                inverse
             } else {
-                let near = (radius / innermost).abs().min(Lanes::ONE);
-                size * near * near
+                let near = (distance / innermost).min(Lanes::ONE);
+                inverse / (near * near)
             };
-            let strain = Lanes::splat(4.0) * length * load(&strain_rate, 0.0);
-            let sound_speed = sound_speed.of(eight.clone());
-            let rate = sound_speed.mul_add(sound_speed, strain * strain) / (length * length);
+            let (strain, sound_speed) =
+                (Lanes::splat(4.0) * load(&strain_rate, 0.0), sound_speed.of(eight.clone()));
+            let rate = (sound_speed * sound_speed).mul_add(inverse_length, strain * strain);
             largest = largest.max(rate);
             all += rate;
         }

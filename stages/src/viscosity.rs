@@ -1,6 +1,7 @@
 //! Viscosity: its force joins the other dissipative ones and bounds the time step.
 
 use crate::fields;
+use crate::rows::PackedState;
 use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
 use meniscus_engine::pipeline::{Fault, World};
 use meniscus_engine::store::{Add, Read};
@@ -25,7 +26,6 @@ pub struct Viscosity {
     origin: f64,
     radius: Read<f64>,
     density: Read<f64>,
-    size: Read<f64>,
     force: [(Read<f64>, Add<f64>); 2],
     power: Option<(Read<f64>, Add<f64>)>,
 }
@@ -40,9 +40,8 @@ impl Viscosity {
             join(&fields::VISCOUS_FORCE_Z, &fields::DISSIPATION_Z),
         ];
         let power = with_energy.then(|| join(&fields::VISCOUS_POWER, &fields::POWER));
-        let [radius, density, size] =
-            [&fields::RADIUS, &fields::DENSITY, &fields::SIZE].map(|field| wiring.read(field));
-        Viscosity { viscosity, origin, radius, density, size, force, power }
+        let [radius, density] = [&fields::RADIUS, &fields::DENSITY].map(|field| wiring.read(field));
+        Viscosity { viscosity, origin, radius, density, force, power }
     }
 }
 
@@ -52,15 +51,16 @@ impl ChunkStage for Viscosity {
     }
 
     /// The fastest rate that bounds the step, over mu.
-    fn chunk(&self, _: &Around, chunk: &Chunk) -> Partial {
+    fn chunk(&self, around: &Around, chunk: &Chunk) -> Partial {
         for (part, whole) in self.force.into_iter().chain(self.power) {
             let (part, mut whole) = (chunk.read(part), chunk.write(whole));
             whole.iter_mut().zip(&*part).for_each(|(whole, part)| *whole += part);
         }
-        let [r, density, size] = [self.radius, self.density, self.size].map(|field| chunk.read(field));
+        let [r, density] = [self.radius, self.density].map(|field| chunk.read(field));
+        let packed = PackedState(around.rows);
         let fastest = (0..r.len()).fold(0.0, |fastest, i| {
             let radius = r[i] + self.origin;
-            let rate = (FASTEST / (size[i] * size[i]) + 1.0 / (radius * radius)) / density[i];
+            let rate = (FASTEST / packed.area(chunk.start + i) + 1.0 / (radius * radius)) / density[i];
             larger(fastest, rate)
         });
         [fastest, 0.0]

@@ -2,6 +2,7 @@
 
 use crate::equation_of_state::Packing;
 use crate::fields;
+use crate::rows::PackedState;
 use crate::sort_bin::WIDEST_SKIN;
 use crate::surface::INSIDE;
 use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
@@ -46,7 +47,6 @@ pub struct VoidClosing {
     /// Longest time between two looks if that is more than [`FEWEST_STEPS`], s.
     longest: f64,
     position: [Read<f64>; 2],
-    size: Read<f64>,
     surface: Read<u32>,
     emptiness: Update<f64>,
     strain_rate: Add<f64>,
@@ -72,7 +72,6 @@ impl VoidClosing {
             rate_now: 0.0,
             longest: LONGEST / capillary_rate,
             position: [wiring.read(&fields::RADIUS), wiring.read(&fields::AXIAL)],
-            size: wiring.read(&fields::SIZE),
             surface: wiring.read(&fields::SURFACE),
             emptiness: wiring.update(&fields::EMPTINESS),
             strain_rate: wiring.add(&fields::STRAIN_RATE),
@@ -82,9 +81,9 @@ impl VoidClosing {
     /// Looks at the room around every particle inside.
     fn look(&self, world: &World) {
         let [r, z] = self.position.map(|field| world.store.read(field));
-        let (size, surface) = (world.store.read(self.size), world.store.read(self.surface));
+        let (packed, surface) = (PackedState(&world.rows), world.store.read(self.surface));
         let (list, domain) = (&world.neighbours, &self.packing.domain);
-        let (r, z, size, surface) = (&r[..], &z[..], &size[..], &surface[..]);
+        let (r, z, surface) = (&r[..], &z[..], &surface[..]);
         // How far anyone may have moved since the list was built.
         let slack = 0.25 * WIDEST_SKIN * self.packing.largest_size;
         // sum_b V_b W_b of the particles themselves around a place, without their images.
@@ -95,7 +94,7 @@ impl VoidClosing {
                 for b in members.iter().map(|&member| member as usize).filter(|&b| b < r.len()) {
                     let (dr, dz) = (r[b] - at_r, z[b] - at_z);
                     let inside = (1.0 - (dr * dr + dz * dz) * inverse_square).max(0.0);
-                    sum += size[b] * size[b] * inside * inside;
+                    sum += packed.area(b) * inside * inside;
                 }
             });
             3.0 / PI * inverse_square * sum
@@ -109,7 +108,7 @@ impl VoidClosing {
             for (k, emptiness) in emptiness.iter_mut().enumerate() {
                 let i = start + k;
                 let found = if surface[i] == INSIDE {
-                    let reach = reach * size[i].min(self.packing.largest_size);
+                    let reach = reach * packed.size(i).min(self.packing.largest_size);
                     // What its images see of the others is what it sees of their images.
                     let images = domain.images_of(r[i], z[i], reach);
                     let places = images.iter().map(|image| domain.place(image, r[i], z[i]));

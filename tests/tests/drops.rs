@@ -97,9 +97,9 @@ fn rest(resolution: u32, times: f64) -> (f64, f64, f64) {
             early = mean_speed(&simulation) / scene.capillary_velocity();
         }
         if simulation.world.clock.time > (times - 1.0) * unit {
-            let [p, reference, mass] =
-                ["pressure", "reference_pressure", "mass"].map(|name| drops::column(&simulation, name));
-            let sum: f64 = (0..p.len()).map(|i| mass[i] * (p[i] + reference[i])).sum();
+            let [density, mass] = ["density", "mass"].map(|name| drops::column(&simulation, name));
+            let of = |density: f64| simulation.physics.equation.pressure(density, 0.0);
+            let sum: f64 = density.iter().zip(&mass).map(|(density, mass)| mass * of(*density)).sum();
             pressure += sum / mass.iter().sum::<f64>();
             count += 1.0;
         }

@@ -13,7 +13,6 @@ use meniscus_stages::curvature_colour::{ColourCurvature, CurvatureColour};
 use meniscus_stages::curvature_normals::CurvatureNormals;
 use meniscus_stages::drops::Drops;
 use meniscus_stages::equation_of_state::{Packing, State};
-use meniscus_stages::fields;
 use meniscus_stages::ghost_coupling::GhostCoupling;
 use meniscus_stages::incomplete_support::IncompleteSupport;
 use meniscus_stages::initial_pressure::InitialPressure;
@@ -234,9 +233,6 @@ impl Builder<'_> {
         }
         self.plan("integrate", true, ("time moves on", ""));
         stages.push(self.integrate());
-        // Pictures and files show the pressure: it counts as read.
-        self.wiring.stage("outputs");
-        self.wiring.read(&fields::PRESSURE);
     }
 
     /// The stages that run once before the first step: gradients to predict from, and the pressure.

@@ -9,10 +9,13 @@ use meniscus_engine::field::{Description, Role, Values};
 use meniscus_engine::pipeline::{Fault, World};
 use meniscus_engine::store::Store;
 use meniscus_stages::fields;
+use meniscus_stages::reference_pressure::FIRST_REFERENCE;
 use meniscus_stages::surface_interval::{COMPUTED, HOLDS_UNTIL};
 
 /// The marks that stages set on the clock.
 const MARKS: [&str; 3] = [COMPUTED, HOLDS_UNTIL, "list"];
+/// The numbers of the whole scene that stages keep there.
+const NUMBERS: [&str; 1] = [FIRST_REFERENCE];
 /// Start of the names of numbers that count the steps which a bound has set.
 const BOUND: &str = "steps bound by ";
 
@@ -100,13 +103,14 @@ fn values(data: Data) -> Values {
 }
 
 fn written_clock(clock: &Clock) -> checkpoint::Clock {
-    let marks = clock.marks().iter().map(|&(name, time)| (name.to_owned(), time));
+    let named = clock.marks().iter().chain(clock.numbers());
+    let named = named.map(|&(name, value)| (name.to_owned(), value));
     let bounds = clock.bounds_met().iter().map(|(reason, steps)| (format!("{BOUND}{reason}"), *steps as f64));
     checkpoint::Clock {
         step: clock.step,
         time: clock.time,
         step_size: clock.previous_step_size,
-        scalars: marks.chain(bounds).collect(),
+        scalars: named.chain(bounds).collect(),
     }
 }
 
@@ -124,12 +128,15 @@ fn read_clock(written: &checkpoint::Clock) -> Result<Clock, String> {
             clock.restore_bound(reason, *time as u64);
             continue;
         }
-        let known = MARKS.iter().find(|mark| *mark == name);
-        let name = known.ok_or_else(|| format!("its clock has an unknown mark `{name}`"))?;
         if !time.is_finite() {
             return Err(format!("the mark `{name}` of its clock is {time}"));
         }
-        clock.restore_mark(name, *time);
+        let among = |names: &[&'static str]| names.iter().copied().find(|known| known == name);
+        match (among(&MARKS), among(&NUMBERS)) {
+            (Some(name), _) => clock.restore_mark(name, *time),
+            (_, Some(name)) => clock.set_number(name, *time),
+            _ => return Err(format!("its clock has an unknown mark `{name}`")),
+        }
     }
     Ok(clock)
 }

@@ -20,6 +20,8 @@ pub struct RowTable {
     pub second: Vec<HalfRow>,
     /// All that a particle has in single precision; the others are empty then.
     pub single: Vec<SingleRow>,
+    /// The unit of length of rows of single precision, m.
+    pub unit: f64,
     /// Whether they are those of the particles as they lie in memory now, with their images.
     pub are_current: bool,
 }

@@ -108,7 +108,8 @@ pub fn neighbourhood(columns: &[ColumnView<'_>], scene: &Scene) -> Result<Neighb
 
 fn drops(particles: &Particles, list: &NeighbourList, packing: &Packing) -> Vec<Drop> {
     let arena = Bump::new();
-    let names = components(list, packing, [&particles.r, &particles.z, &particles.size], &arena);
+    let reach = |i: usize| 2.0 * packing.theta * particles.size[i].min(packing.largest_size);
+    let names = components(list, &packing.domain, [&particles.r, &particles.z], reach, &arena);
     let mut drops: BTreeMap<u32, Drop> = BTreeMap::new();
     for (particle, name) in names.iter().enumerate() {
         let mass = particles.mass[particle];

@@ -14,8 +14,8 @@ pub(super) struct Shown {
     pub(super) values: Vec<f64>,
 }
 
-/// Names that are no field's.
-const SPEED: &str = "speed";
+/// What follows from columns and has none.
+const FOLLOWING: [&str; 3] = ["speed", "size", "pressure"];
 
 /// A real column by its field; empty if this run has none of it.
 pub(super) fn column(simulation: &Simulation, name: &str) -> Vec<f64> {
@@ -55,15 +55,16 @@ pub(super) fn size(simulation: &Simulation) -> Vec<f64> {
 
 /// A quantity by name. `None` for one that is computed in every step, before the first one.
 pub(super) fn shown(simulation: &Simulation, name: &str) -> Option<Shown> {
-    if name == fields::PRESSURE.description.name {
-        let values = pressure(simulation);
-        return Some(Shown { unit: "Pa", values });
-    }
-    if name == SPEED {
-        let radial = column(simulation, fields::VELOCITY_R.description.name);
-        let axial = column(simulation, fields::VELOCITY_Z.description.name);
-        let values = radial.iter().zip(axial).map(|(u, w)| u.hypot(w)).collect();
-        return Some(Shown { unit: "m/s", values });
+    match name {
+        "pressure" => return Some(Shown { unit: "Pa", values: pressure(simulation) }),
+        "size" => return Some(Shown { unit: "m", values: size(simulation) }),
+        "speed" => {
+            let radial = column(simulation, fields::VELOCITY_R.description.name);
+            let axial = column(simulation, fields::VELOCITY_Z.description.name);
+            let values = radial.iter().zip(axial).map(|(u, w)| u.hypot(w)).collect();
+            return Some(Shown { unit: "m/s", values });
+        }
+        _ => {}
     }
     let mut columns = simulation.world.store.columns();
     let (description, values) = columns.find(|(d, _)| d.name == name)?;
@@ -82,7 +83,7 @@ pub(super) fn shown(simulation: &Simulation, name: &str) -> Option<Shown> {
 pub(super) fn check_colour(scene: &Scene) -> Result<(), Failure> {
     let physics = meniscus_cases::assemble::Physics::of(scene);
     let assembly = assemble(&physics).map_err(|error| Failure::on_the_way(error.to_string()))?;
-    let mut names = vec![SPEED];
+    let mut names = FOLLOWING.to_vec();
     for used in assembly.wiring.uses() {
         if !names.contains(&used.field.name) {
             names.push(used.field.name);

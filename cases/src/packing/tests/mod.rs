@@ -75,10 +75,16 @@ fn the_contour_of_the_particles_is_the_boundary() {
         let size: Vec<f64> = packing.area.iter().map(|area| area.sqrt()).collect();
         let (r, z) = (&packing.r[..], &packing.z[..]);
         let support = 11.0 * SIZE;
-        let source = Particles { r, z, size: &size, list_r: r, list_z: z, support };
+        let source = Particles { r, z, list_r: r, list_z: z, support };
         let mut field = ColourField::default();
         let wanted = (0..r.len() as u32).map(|i| (i, support));
-        field.refresh(&source, wanted, 1, (0.0, &Domain { origin: 0.0, period: None }));
+        field.refresh(
+            &source,
+            |i| size[i] * size[i],
+            wanted,
+            1,
+            (0.0, &Domain { origin: 0.0, period: None }),
+        );
         let gap_at = |k: u32| {
             let (sine, cosine) = (0.01 * PI * (f64::from(k) + 0.5)).sin_cos();
             let here = field.at(sphere.radius * sine, sphere.radius * cosine, support);
