@@ -21,7 +21,7 @@ pub struct World {
     pub neighbours: NeighbourList,
     /// The particles' packed rows for the pair passes.
     pub rows: RowTable,
-    /// Scratch memory of one step, reused by the next.
+    /// Scratch memory of one stage, or of a group of them, reused by the next.
     pub arena: Bump,
 }
 
@@ -277,7 +277,6 @@ impl Pipeline {
         if cfg!(debug_assertions) {
             world.store.poison_derived();
         }
-        world.arena.reset();
         let _span = tracing::info_span!("step", number = world.clock.step).entered();
         let mut costs = &mut self.costs[..];
         for work in &mut self.works {
@@ -286,6 +285,7 @@ impl Pipeline {
                 Work::Group(group) => group.stages().count(),
             };
             let (own, others) = costs.split_at_mut(count);
+            world.arena.reset();
             work.run(world, own)?;
             costs = others;
         }

@@ -136,6 +136,15 @@ impl PackedState<'_> {
         area * (self.unit() * self.unit())
     }
 
+    /// The areas of the eight particles from `first` on, m2.
+    #[inline(always)]
+    pub fn areas(self, first: usize) -> Lanes {
+        match self.0.first.get(first..first + WIDTH) {
+            Some(rows) => Lanes::load(&std::array::from_fn::<f64, WIDTH, _>(|lane| rows[lane].0[3])),
+            None => Lanes::load(&std::array::from_fn::<f64, WIDTH, _>(|lane| self.area(first + lane))),
+        }
+    }
+
     /// D, the root of the area, m.
     #[inline(always)]
     pub fn size(self, particle: usize) -> f64 {

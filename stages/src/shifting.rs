@@ -189,9 +189,7 @@ impl Neighbourhoods<'_> {
         let (difference, shear) = (rr - zz, rz + rz);
         let most = Lanes::splat(0.99 * UNEVEN[0]) * (rr + zz);
         let uneven = difference.mul_add(difference, shear.mul_add(shear, -(most * most)));
-        let area = Lanes::load(&std::array::from_fn::<f64, WIDTH, _>(|lane| {
-            self.packed.area(self.start + k + lane)
-        }));
+        let area = self.packed.areas(self.start + k);
         let closing = Lanes::splat(1.01 * CLOSING[0] * 1.01 * CLOSING[0]).mul_add(area, -(r * r));
         let inside = self.surface[k..k + WIDTH].iter().fold(true, |all, code| all & (*code != BOUNDARY));
         inside && (-(uneven.max(closing))).all_positive()
