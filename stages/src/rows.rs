@@ -202,3 +202,37 @@ pub fn image_of_single(image: &Image, domain: &Domain, unit: f64, SingleRow(slot
     }
     SingleRow(slots)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_tell_sizes_and_pressures() {
+        let unit = 0.25;
+        let of = |of: fn(f64) -> f64| std::array::from_fn(|lane| of(lane as f64));
+        let flow = Flow {
+            reach: of(|k| 1.1 + k),
+            area: of(|k| 2.0 + k),
+            pressure: of(|k| 3.0 - k),
+            ..Flow::default()
+        };
+        let mut double = RowTable { first: vec![Row::default(); WIDTH], ..RowTable::default() };
+        Row::pack(&flow, &mut double.first, unit);
+        let mut mixed = RowTable { single: vec![SingleRow::default(); WIDTH], unit, ..RowTable::default() };
+        SingleRow::pack(&flow, &mut mixed.single, unit);
+        for k in 0..WIDTH {
+            for packed in [PackedState(&double), PackedState(&mixed)] {
+                let close =
+                    |found: f64, expected: f64| (found - expected).abs() < 1e-6 * expected.abs().max(1.0);
+                assert!(close(packed.reach(k), flow.reach[k]) && close(packed.area(k), flow.area[k]));
+                assert_eq!(packed.areas(0).to_array()[k], packed.area(k));
+                assert!(
+                    close(packed.size(k), flow.area[k].sqrt()) && close(packed.pressure(k), flow.pressure[k])
+                );
+            }
+            assert_eq!(double.first[k].least_reach(unit), flow.reach[k]);
+            assert!(mixed.single[k].least_reach(unit) <= flow.reach[k], "whatever was rounded");
+        }
+    }
+}
