@@ -245,11 +245,10 @@ mod tests {
         let (r, z): (Vec<f64>, Vec<f64>) =
             places.filter(|[r, z]| length([r - 100.0, z + void]) > 1.0).map(|[r, z]| (r, z)).unzip();
         let (size, support) = (density.sqrt(), SUPPORT * density.sqrt());
-        let sizes = vec![size; r.len()];
-        let source = Particles { r: &r, z: &z, size: &sizes, list_r: &r, list_z: &z, support };
+        let source = Particles { r: &r, z: &z, list_r: &r, list_z: &z, support };
         let mut field = ColourField::default();
         let all = (0..r.len() as u32).map(|i| (i, support));
-        field.refresh(&source, all, 1, (0.0, &Domain { origin: 0.0, period: None }));
+        field.refresh(&source, |_| density, all, 1, (0.0, &Domain { origin: 0.0, period: None }));
         let guard =
             ColourGuard { field: Arc::default(), highest: 0.85, support: SUPPORT, with_offset: false };
         let colour = field.at(100.0, -depth, support);

@@ -82,6 +82,20 @@ pub static SURFACE_OFFSET_Z: Real = Field::state(
     "m",
     "The way to the surface when the curvature was last computed, axial component; zero inside.",
 );
+/// Unit tangent of the surface, radial component.
+pub static SURFACE_TANGENT_R: Real = Field::state(
+    "surface_tangent_r",
+    "t_r",
+    "1",
+    "Unit tangent of the surface when the curvature was last computed, radial component; zero inside.",
+);
+/// Unit tangent of the surface, axial component.
+pub static SURFACE_TANGENT_Z: Real = Field::state(
+    "surface_tangent_z",
+    "t_z",
+    "1",
+    "Unit tangent of the surface when the curvature was last computed, axial component; zero inside.",
+);
 /// What surface forces lack of the tension's pull, radial component.
 pub static TENSION_LACK_R: Real = Field::state(
     "tension_lack_r",
@@ -201,20 +215,6 @@ pub static SURFACE_FORCE_Z: Real = Field::derived(
     "f_s",
     "N/m3",
     "Force density that acts through the free surface, axial component.",
-);
-/// Unit tangent of the surface, radial component.
-pub static SURFACE_TANGENT_R: Real = Field::derived(
-    "surface_tangent_r",
-    "t_r",
-    "1",
-    "Unit tangent of the surface when the curvature was last computed, radial component; zero inside.",
-);
-/// Unit tangent of the surface, axial component.
-pub static SURFACE_TANGENT_Z: Real = Field::derived(
-    "surface_tangent_z",
-    "t_z",
-    "1",
-    "Unit tangent of the surface when the curvature was last computed, axial component; zero inside.",
 );
 /// I - L, component rr.
 pub static SUPPORT_LACK_RR: Real = Field::derived(
