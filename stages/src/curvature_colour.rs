@@ -6,7 +6,7 @@ use crate::equation_of_state::Packing;
 use crate::fields;
 use crate::rows::PackedState;
 use crate::surface::{BOUNDARY, for_surface};
-use crate::surface_interval::{COMPUTED, HOLDS_UNTIL, holds, is_due, particle_time};
+use crate::surface_interval::{COMPUTED, HOLDS_UNTIL, holds, is_due};
 use crate::surface_neighbours::SurfaceNeighbours;
 use crate::surface_search::{Found, SHARPEST, Start, even, find};
 use atomic_refcell::AtomicRefMut;
@@ -199,7 +199,8 @@ impl CurvatureColour {
     /// Largest rate of the Laplace pressure (Pa/s) at a particle of the given size (m).
     fn fastest(&self, size: f64) -> f64 {
         let ColourCurvature { surface_tension, density, .. } = self.settings;
-        FASTEST * surface_tension / size / particle_time(surface_tension, density, size)
+        let capillary_time = (density * size.powi(3) / surface_tension).sqrt();
+        FASTEST * surface_tension / size / capillary_time
     }
 
     /// Notes when the curvature was computed and until when it holds.
@@ -211,7 +212,7 @@ impl CurvatureColour {
                 self.boundary.iter().zip(&self.found).filter(|(_, found)| found.curvature != 0.0);
             with_surface.map(|(&i, _)| packed.size(i as usize)).fold(self.packing.largest_size, f64::min)
         };
-        let holds = holds(surface_tension, density, sound_speed, smallest, capillary_time);
+        let holds = holds(surface_tension, density * sound_speed, smallest, capillary_time);
         let until = world.clock.time + holds;
         world.clock.set_mark(COMPUTED);
         world.clock.restore_mark(HOLDS_UNTIL, until);

@@ -10,9 +10,7 @@
 //! A wave that the particles resolve does not yield: carried on for the time t its pressure is wrong by a part of
 //! (omega t)^2, and does work on it. A drop in mode 2 gains about 2.4 (omega t)^2 of its amplitude in a period:
 //! measured with 25, 35 and 50 particles to the radius, four, eight and sixteen steps. So t is limited to a part of
-//! the capillary time, too. The shortest waves are driven first: with 70 particles to the radius and eight steps, 1.15 of
-//! a particle's capillary time, a drop in mode 2 got short waves of .0017 of its radius, and with four .0005. So t is no
-//! longer than a particle's capillary time.
+//! the capillary time, too.
 
 use meniscus_engine::clock::Clock;
 
@@ -25,17 +23,10 @@ pub const HOLDS_UNTIL: &str = "curvature holds";
 /// amplitude in a period, less than it loses.
 const LAG: f64 = 0.0045;
 
-/// For how many seconds a Laplace pressure may be carried on where the smallest particle at the surface measures `size`
-/// metres, in a liquid with the given surface tension (N/m), density (kg/m3), speed of sound (m/s) and capillary
-/// time (s).
-pub fn holds(surface_tension: f64, density: f64, sound_speed: f64, size: f64, capillary_time: f64) -> f64 {
-    let yields = density * sound_speed * size * size / surface_tension;
-    yields.min(LAG * capillary_time).min(particle_time(surface_tension, density, size))
-}
-
-/// The capillary time sqrt(rho D^3/sigma) of a particle, s.
-pub fn particle_time(surface_tension: f64, density: f64, size: f64) -> f64 {
-    (density * size.powi(3) / surface_tension).sqrt()
+/// For how many seconds a Laplace pressure may be carried on where the smallest particle at the surface
+/// measures `size` metres, in a liquid with the given acoustic impedance (kg/(m2 s)) and capillary time (s).
+pub fn holds(surface_tension: f64, impedance: f64, size: f64, capillary_time: f64) -> f64 {
+    (impedance * size * size / surface_tension).min(LAG * capillary_time)
 }
 
 /// Whether the surface is looked for in this step: every `interval` steps, or a half or a quarter of that and so
