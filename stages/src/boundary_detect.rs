@@ -1,6 +1,6 @@
 //! Boundary detection: which particles lie at the free surface, and which have such a neighbour.
 
-use crate::colour_field::{Colour, ColourField, Particles};
+use crate::colour_field::{Colour, ColourField};
 use crate::equation_of_state::Packing;
 use crate::fields;
 use crate::moment::Moment;
@@ -8,6 +8,7 @@ use crate::rows::PackedState;
 use crate::sort_bin::WIDEST_SKIN;
 use crate::surface::{BOUNDARY, INSIDE, NEAR_BOUNDARY, length};
 use crate::surface_interval::is_due;
+use crate::surface_points::Particles;
 use crate::surface_search::{FARTHEST, even, reach};
 use meniscus_engine::field::clear;
 use meniscus_engine::lanes::{Lanes, WIDTH};
@@ -230,7 +231,6 @@ impl Stage for BoundaryDetect {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::colour_field::Particles;
     use meniscus_engine::domain::Domain;
 
     /// Support radius in particle sizes.

@@ -1,13 +1,10 @@
 //! The colour field c = sum_b V_b W_b and its first and second derivatives anywhere in the plane.
 
-use meniscus_engine::bins::Bins;
-use meniscus_engine::domain::{Domain, Image};
+use crate::surface_points::{Particles, SurfacePoints};
+use meniscus_engine::domain::Domain;
 use meniscus_engine::lanes::{Lanes, WIDTH};
 use meniscus_engine::store::bytes_of;
 use std::f64::consts::PI;
-
-/// Size of a cell over the largest support radius, twice the usual one.
-const FINENESS: f64 = 0.125;
 
 /// Colour and derivatives at a point, SI units.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -20,29 +17,13 @@ pub struct Colour {
     pub second: [f64; 3],
 }
 
-/// The particles as the colour field sums them: in rows of cells, images at the axis and the period
-/// included. The membership of cells is renewed with the neighbour list, positions every time. Only cells near places
-/// where the field is asked for have members. What lies in a cell, and in which order, does not depend on which these
-/// are: nor does any sum.
+/// The particles that the colour field sums.
 #[derive(Debug, Default)]
 pub struct ColourField {
-    list_build: u64,
-    images: Vec<Image>,
-    bins: Bins,
-    r: Vec<f64>,
-    z: Vec<f64>,
-    area: Vec<f64>,
-    slack: f64,
-    /// Whether a cell has its members.
-    has_members: Vec<bool>,
-    /// How far from any place of a cell all cells have theirs, m.
-    complete: Vec<f64>,
+    points: SurfacePoints,
     /// The field at the places of some particles since the last refresh, in the order of particles.
     pub known: Vec<(u32, Colour)>,
 }
-
-/// Cells take up members for so many times the reach that is asked for, so that they need not soon be sorted again.
-const SPARE: f64 = 1.1;
 
 impl ColourField {
     /// Takes up the particles' present positions (m) and areas (m2). `list_build` counts the builds of
@@ -54,70 +35,15 @@ impl ColourField {
         area: impl Fn(usize) -> f64,
         wanted: impl Iterator<Item = (u32, f64)> + Clone,
         list_build: u64,
-        (slack, domain): (f64, &Domain),
+        motion: (f64, &Domain),
     ) {
-        let Particles { r, z, list_r, list_z, support } = *source;
         self.known.clear();
-        self.slack = slack;
-        let is_new = self.list_build != list_build || self.complete.is_empty();
-        if is_new {
-            self.list_build = list_build;
-            domain.images(list_r, list_z, support + 2.0 * slack, &mut self.images);
-        }
-        let images = &self.images;
-        let place = |point: usize, r: &[f64], z: &[f64]| match point.checked_sub(r.len()) {
-            None => (r[point], z[point]),
-            Some(image) => {
-                let source = images[image].source as usize;
-                domain.place(&images[image], r[source], z[source])
-            }
-        };
-        let count = r.len() + images.len();
-        let listed = |point: usize| place(point, list_r, list_z);
-        if is_new {
-            self.bins.lay_out(count, listed, FINENESS * support);
-        }
-        // Both the particle and what it sees may have moved since the list was built; and all of this is rounded.
-        let bins = &self.bins;
-        let wanted = wanted.map(|(i, reach)| {
-            let cell = bins.cell_of(list_r[i as usize], list_z[i as usize]);
-            (cell, 1.001 * (reach + 2.0 * slack))
-        });
-        if is_new || wanted.clone().any(|(cell, reach)| self.complete[cell] < reach) {
-            let (has_members, complete) = (&mut self.has_members, &mut self.complete);
-            has_members.clear();
-            has_members.resize(bins.cells(), false);
-            complete.clear();
-            complete.resize(bins.cells(), 0.0);
-            for (cell, reach) in wanted {
-                bins.cells_around(cell, 0.0, |cells| {
-                    complete[cells].iter_mut().for_each(|complete| *complete = complete.max(SPARE * reach));
-                });
-            }
-            for cell in (0..bins.cells()).filter(|&cell| complete[cell] > 0.0) {
-                bins.cells_around(cell, complete[cell], |cells| has_members[cells].fill(true));
-            }
-            self.bins.sort(count, listed, |cell| self.has_members[cell]);
-            let padded = self.bins.padded_members().len();
-            for column in [&mut self.r, &mut self.z, &mut self.area] {
-                column.clear();
-                column.resize(padded, 0.0);
-            }
-        }
-        let members = self.bins.members().iter();
-        for (k, &member) in members.enumerate() {
-            let member = member as usize;
-            let source = member.checked_sub(r.len()).map_or(member, |image| images[image].source as usize);
-            (self.r[k], self.z[k]) = place(member, r, z);
-            self.area[k] = area(source);
-        }
+        self.points.refresh(source, area, wanted, list_build, motion);
     }
 
     /// Bytes that the particles take in it.
     pub fn bytes(&self) -> usize {
-        let columns = [&self.r, &self.z, &self.area].into_iter().map(bytes_of).sum::<usize>();
-        let cells = bytes_of(&self.has_members) + bytes_of(&self.complete);
-        columns + cells + bytes_of(&self.images) + bytes_of(&self.known) + self.bins.bytes()
+        bytes_of(&self.known) + self.points.bytes()
     }
 
     /// The field at (r, z) with the given support radius, all in metres.
@@ -133,15 +59,13 @@ impl ColourField {
         let inverse = 1.0 / support;
         let (lr, lz, linverse) = (Lanes::splat(r), Lanes::splat(z), Lanes::splat(inverse));
         let mut sums = [Lanes::ZERO; 6];
-        self.bins.within(r, z, support + self.slack, |range| {
-            for start in range.clone().step_by(WIDTH) {
-                let left = range.end - start;
-                let area = Lanes::load(&self.area[start..]);
-                let area = if left < WIDTH { area.keep_first(left) } else { area };
-                let x = (lr - Lanes::load(&self.r[start..])) * linverse;
-                let y = (lz - Lanes::load(&self.z[start..])) * linverse;
-                add_kernel(x, y, area, &mut sums);
-            }
+        let points = &self.points;
+        points.within(r, z, support, |start, left| {
+            let area = Lanes::load(&points.area[start..]);
+            let area = if left < WIDTH { area.keep_first(left) } else { area };
+            let x = (lr - Lanes::load(&points.r[start..])) * linverse;
+            let y = (lz - Lanes::load(&points.z[start..])) * linverse;
+            add_kernel(x, y, area, &mut sums);
         });
         let constant = 390.0 / (11.0 * PI) * inverse * inverse;
         let first = constant * inverse;
@@ -153,21 +77,6 @@ impl ColourField {
             second: [second * sum[3], second * sum[4], second * sum[5]],
         }
     }
-}
-
-/// Columns and lengths from which a colour field is taken up.
-#[derive(Clone, Copy, Debug)]
-pub struct Particles<'a> {
-    /// Present positions, m.
-    pub r: &'a [f64],
-    /// Present positions, m.
-    pub z: &'a [f64],
-    /// Positions when the neighbour list was built, m.
-    pub list_r: &'a [f64],
-    /// Positions when the neighbour list was built, m.
-    pub list_z: &'a [f64],
-    /// Largest support radius that will be asked for, m.
-    pub support: f64,
 }
 
 /// Adds eight particles at (x, y) = d/H with their areas.
@@ -257,7 +166,7 @@ mod tests {
         let mut part = ColourField::default();
         for centre in [1999, 3, 700] {
             part.refresh(&source, AREA, [(centre, 1.0)].into_iter(), 1, (0.02, &DOMAIN));
-            assert!(part.bins.members().len() < 1500);
+            assert!(part.points.len() < 1500);
             let i = centre as usize;
             for (dr, dz) in [(0.0, 0.0), (0.1, 0.15), (-0.19, 0.0)] {
                 let at = [r[i] + dr, now[i] + dz];

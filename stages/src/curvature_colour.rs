@@ -6,7 +6,7 @@ use crate::equation_of_state::Packing;
 use crate::fields;
 use crate::rows::PackedState;
 use crate::surface::{BOUNDARY, for_surface};
-use crate::surface_interval::{COMPUTED, HOLDS_UNTIL, holds, is_due};
+use crate::surface_interval::{COMPUTED, Tension};
 use crate::surface_neighbours::SurfaceNeighbours;
 use crate::surface_search::{Found, SHARPEST, Start, even, find};
 use atomic_refcell::AtomicRefMut;
@@ -20,19 +20,11 @@ use std::sync::{Arc, Mutex};
 /// Settings of the colour-field curvature.
 #[derive(Clone, Copy, Debug)]
 pub struct ColourCurvature {
-    /// sigma in N/m.
-    pub surface_tension: f64,
-    /// Density at rest in kg/m3.
-    pub density: f64,
-    /// Sound speed at rest in m/s.
-    pub sound_speed: f64,
-    /// The scene's capillary time in s.
-    pub capillary_time: f64,
+    /// The liquid's, and how often it is computed.
+    pub tension: Tension,
     /// Support radius of the colour field in particle sizes. Between 10 and 12 the frequency of a drop
     /// changes by .02 %; a wider one keeps a drop at rest more quietly, a narrower one resolves necks.
     pub support: f64,
-    /// Most steps between two computations; in between the Laplace pressure is extrapolated.
-    pub interval: u64,
     /// Whether the gradient of the Laplace pressure along the surface is wanted, and the surface's tangent.
     pub with_slope: bool,
 }
@@ -40,10 +32,6 @@ pub struct ColourCurvature {
 /// A drop of fewer particles, less than four across, has no shape to speak of, and no Laplace pressure: what
 /// its curvature were taken for would drive it about.
 const FEWEST: u32 = 12;
-
-/// The Laplace pressure changes no faster than by this part of sigma/D in a particle's capillary time
-/// sqrt(rho D^3/sigma): what is faster is no motion of a resolved surface, but another place found for it.
-const FASTEST: f64 = 0.25;
 
 /// The stage. It must follow the boundary detection of the same step, which takes up the particles in
 /// the shared colour field.
@@ -81,7 +69,7 @@ impl CurvatureColour {
         let slope = [&fields::LAPLACE_SLOPE_R, &fields::LAPLACE_SLOPE_Z];
         let tangent = [&fields::SURFACE_TANGENT_R, &fields::SURFACE_TANGENT_Z];
         let offset = [&fields::SURFACE_OFFSET_R, &fields::SURFACE_OFFSET_Z];
-        let (density, size) = (settings.density, 0.5 * packing.largest_size);
+        let size = 0.5 * packing.largest_size;
         CurvatureColour {
             settings,
             packing,
@@ -92,7 +80,7 @@ impl CurvatureColour {
             pressure: wiring.update(&fields::LAPLACE_PRESSURE),
             rate: wiring.write(&fields::LAPLACE_PRESSURE_RATE),
             offset: offset.map(|field| wiring.update(field)),
-            step_bound: capillary_bound(settings.surface_tension, density, 0.25 * settings.support * size),
+            step_bound: capillary_bound(&settings.tension, 0.25 * settings.support * size),
             slope: settings.with_slope.then(|| slope.map(|field| wiring.write(field))),
             tangent: settings.with_slope.then(|| tangent.map(|field| wiring.write(field))),
             boundary: Vec::new(),
@@ -175,7 +163,7 @@ impl CurvatureColour {
         for (k, &i) in self.boundary.iter().enumerate() {
             let Found { curvature, tangent, offset } = self.found[k];
             let bump = if curvature == 0.0 { 0.0 } else { self.found[k].bump(size(i)) };
-            let pressure = self.settings.surface_tension * (curvature + bump);
+            let pressure = self.settings.tension.surface_tension * (curvature + bump);
             columns.set(i, &AtSurface { pressure, slope: self.slopes[k], tangent, offset });
         }
         let [r, z] = self.position.map(|field| world.store.read(field));
@@ -185,37 +173,22 @@ impl CurvatureColour {
         let mut rate = columns.rate;
         for (&i, &before) in layer.iter().zip(&*before) {
             let now = columns.pressure[i as usize];
-            // Where a particle lost the surface or has just found it there is no rate.
-            if before != 0.0 && now != 0.0 && elapsed > 0.0 {
-                let most = self.fastest(size(i));
-                rate[i as usize] = ((now - before) / elapsed).clamp(-most, most);
-            }
+            rate[i as usize] = self.settings.tension.rate([before, now], elapsed, size(i));
         }
         set.clear();
         set.extend_from_slice(layer);
         self.set = (world.neighbours.builds(), set);
     }
 
-    /// Largest rate of the Laplace pressure (Pa/s) at a particle of the given size (m).
-    fn fastest(&self, size: f64) -> f64 {
-        let ColourCurvature { surface_tension, density, .. } = self.settings;
-        let capillary_time = (density * size.powi(3) / surface_tension).sqrt();
-        FASTEST * surface_tension / size / capillary_time
-    }
-
     /// Notes when the curvature was computed and until when it holds.
     fn set_marks(&self, world: &mut World) {
-        let ColourCurvature { surface_tension, density, sound_speed, capillary_time, .. } = self.settings;
         let smallest = {
             let packed = PackedState(&world.rows);
             let with_surface =
                 self.boundary.iter().zip(&self.found).filter(|(_, found)| found.curvature != 0.0);
             with_surface.map(|(&i, _)| packed.size(i as usize)).fold(self.packing.largest_size, f64::min)
         };
-        let holds = holds(surface_tension, density * sound_speed, smallest, capillary_time);
-        let until = world.clock.time + holds;
-        world.clock.set_mark(COMPUTED);
-        world.clock.restore_mark(HOLDS_UNTIL, until);
+        self.settings.tension.note(&mut world.clock, smallest);
     }
 
     /// What belongs to a place beside the surface: that of the nearest boundary particle, carried on
@@ -230,12 +203,12 @@ impl CurvatureColour {
         let (slope, offset) = (turned(self.slopes[k]), turned(self.found[k].offset));
         // Mirrored, the tangent would have the liquid on its other side.
         let tangent = turned(self.found[k].tangent).map(|t| if near.is_mirrored(member) { -t } else { t });
-        let pressure = self.settings.surface_tension * self.found[k].curvature;
+        let pressure = self.settings.tension.surface_tension * self.found[k].curvature;
         let foot = [way[0] + offset[0], way[1] + offset[1]];
         let along = foot[0] * tangent[0] + foot[1] * tangent[1];
         // The slope's place is the boundary particle, the way to it is `way`.
         let carried = pressure - slope[0] * way[0] - slope[1] * way[1];
-        let most = 2.0 * SHARPEST * self.settings.surface_tension / self.packing.largest_size;
+        let most = 2.0 * SHARPEST * self.settings.tension.surface_tension / self.packing.largest_size;
         let pressure = carried.clamp(-most, most);
         let offset = [foot[0] - along * tangent[0], foot[1] - along * tangent[1]];
         AtSurface { pressure, slope, tangent, offset }
@@ -249,7 +222,7 @@ impl CurvatureColour {
         let largest = self.packing.largest_size;
         self.neighbours.gather(&self.boundary, [&r, &z], 3.0 * largest, &self.packing.domain);
         let (near, boundary, found) = (&self.neighbours, &self.boundary[..], &self.found[..]);
-        let tension = self.settings.surface_tension;
+        let tension = self.settings.tension.surface_tension;
         let slope = |k: usize| {
             let own = packed.size(boundary[k] as usize).min(largest);
             let there = |member: u32| {
@@ -311,7 +284,8 @@ impl Columns<'_> {
 
 /// dt <= .25 sqrt(rho h^3/(2 pi sigma)) (method.md, section 6) with h the length that the curvature
 /// resolves: shorter waves are not driven.
-pub fn capillary_bound(surface_tension: f64, density: f64, length: f64) -> f64 {
+pub(crate) fn capillary_bound(tension: &Tension, length: f64) -> f64 {
+    let Tension { density, surface_tension, .. } = tension;
     0.25 * (density * length.powi(3) / (2.0 * std::f64::consts::PI * surface_tension)).sqrt()
 }
 
@@ -331,7 +305,7 @@ impl Stage for CurvatureColour {
 
     fn run(&mut self, world: &mut World) -> Result<(), Fault> {
         world.clock.limit("surface tension", self.step_bound);
-        if !is_due(&world.clock, self.settings.interval) {
+        if !self.settings.tension.is_due(&world.clock) {
             return Ok(());
         }
         self.measure(world);

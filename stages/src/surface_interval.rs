@@ -23,10 +23,58 @@ pub const HOLDS_UNTIL: &str = "curvature holds";
 /// amplitude in a period, less than it loses.
 const LAG: f64 = 0.0045;
 
-/// For how many seconds a Laplace pressure may be carried on where the smallest particle at the surface
-/// measures `size` metres, in a liquid with the given acoustic impedance (kg/(m2 s)) and capillary time (s).
-pub fn holds(surface_tension: f64, impedance: f64, size: f64, capillary_time: f64) -> f64 {
-    (impedance * size * size / surface_tension).min(LAG * capillary_time)
+/// The Laplace pressure changes no faster than by this part of sigma/D in a particle's capillary time
+/// sqrt(rho D^3/sigma): what is faster is no motion of a resolved surface, but another place found for it.
+const FASTEST: f64 = 0.25;
+
+/// What a Laplace pressure depends on as it is carried on.
+#[derive(Clone, Copy, Debug)]
+pub struct Tension {
+    /// sigma in N/m.
+    pub surface_tension: f64,
+    /// Density at rest in kg/m3.
+    pub density: f64,
+    /// Sound speed at rest in m/s.
+    pub sound_speed: f64,
+    /// The scene's capillary time in s.
+    pub capillary_time: f64,
+    /// Most steps between two computations; in between the Laplace pressure is extrapolated.
+    pub interval: u64,
+}
+
+impl Tension {
+    /// Whether the curvature is computed in this step.
+    pub(crate) fn is_due(&self, clock: &Clock) -> bool {
+        is_due(clock, self.interval)
+    }
+
+    /// Notes that the curvature was computed, and until when that holds where the smallest particle at the surface
+    /// measures `size` metres.
+    pub(crate) fn note(&self, clock: &mut Clock, size: f64) {
+        let until = clock.time + self.holds(size);
+        clock.set_mark(COMPUTED);
+        clock.restore_mark(HOLDS_UNTIL, until);
+    }
+
+    /// Rate (Pa/s) of a Laplace pressure that was another one `elapsed` seconds before, of a particle of the given size
+    /// (m). Where a particle lost the surface or has just found it there is none.
+    pub(crate) fn rate(&self, [before, now]: [f64; 2], elapsed: f64, size: f64) -> f64 {
+        if before == 0.0 || now == 0.0 || elapsed <= 0.0 {
+            return 0.0;
+        }
+        let most = FASTEST * self.surface_tension / size / self.particle_time(size);
+        ((now - before) / elapsed).clamp(-most, most)
+    }
+
+    fn holds(&self, size: f64) -> f64 {
+        let yields = self.density * self.sound_speed * size * size / self.surface_tension;
+        yields.min(LAG * self.capillary_time)
+    }
+
+    /// The capillary time sqrt(rho D^3/sigma) of a particle, s.
+    fn particle_time(&self, size: f64) -> f64 {
+        (self.density * size.powi(3) / self.surface_tension).sqrt()
+    }
 }
 
 /// Whether the surface is looked for in this step: every `interval` steps, or a half or a quarter of that and so

@@ -24,6 +24,7 @@ use meniscus_stages::shifting::{Shifting, Strength};
 use meniscus_stages::size_evening::SizeEvening;
 use meniscus_stages::sort_bin::{ListCheck, SortBin};
 use meniscus_stages::surface_corrections::{StrainCorrection, TangentialPressure};
+use meniscus_stages::surface_interval::Tension;
 use meniscus_stages::tension_balance::TensionBalance;
 use meniscus_stages::time_step::{Courant, TimeStep};
 use meniscus_stages::velocity_gradient::VelocityGradient;
@@ -33,8 +34,8 @@ use std::sync::{Arc, Mutex};
 
 pub(super) type Stages = Vec<AnyStage>;
 
-/// Most steps between two looks for the boundary where the colour field's curvature does not say for how long the surface
-/// holds: with eight a free spheroid with 50 particles to the radius is off by .25 % instead of .21.
+/// Most steps between two looks for the boundary where no curvature says for how long the surface holds: with eight a
+/// free spheroid with 50 particles to the radius is off by .25 % instead of .21.
 const MOST_STEPS_WITHOUT_CURVATURE: u64 = 4;
 
 /// A pipeline under way.
@@ -270,29 +271,26 @@ impl Builder<'_> {
             support: method.colour_support,
             with_offset: self.colour_curvature(),
         });
-        let most = if self.colour_curvature() { u64::MAX } else { MOST_STEPS_WITHOUT_CURVATURE };
+        let most = if self.with_tension() { u64::MAX } else { MOST_STEPS_WITHOUT_CURVATURE };
         let interval = method.curvature_interval.min(most);
         AnyStage::whole(BoundaryDetect::new(&mut self.wiring, self.packing, interval, guard))
     }
 
     fn curvature(&mut self) -> AnyStage {
-        let (method, surface_tension) = (&self.physics.method, self.physics.surface_tension);
-        if method.curvature == Curvature::NormalDivergence {
-            let theta = method.normal_theta;
-            let density = self.physics.reference_density;
-            let stage =
-                CurvatureNormals::new(&mut self.wiring, self.packing, surface_tension, density, theta);
-            return AnyStage::whole(stage);
-        }
-        let settings = ColourCurvature {
-            surface_tension,
+        let method = &self.physics.method;
+        let tension = Tension {
+            surface_tension: self.physics.surface_tension,
             density: self.physics.reference_density,
-            support: method.colour_support,
-            interval: method.curvature_interval,
             sound_speed: self.physics.sound_speed,
             capillary_time: 1.0 / self.physics.capillary_rate,
-            with_slope: self.with_slope(),
+            interval: method.curvature_interval,
         };
+        if method.curvature == Curvature::NormalDivergence {
+            let theta = method.normal_theta;
+            return AnyStage::whole(CurvatureNormals::new(&mut self.wiring, self.packing, tension, theta));
+        }
+        let settings =
+            ColourCurvature { tension, support: method.colour_support, with_slope: self.with_slope() };
         let colour = self.colour.clone();
         AnyStage::whole(CurvatureColour::new(&mut self.wiring, self.packing, settings, colour))
     }

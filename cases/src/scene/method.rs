@@ -108,7 +108,6 @@ impl Method {
             shock_contacts: false,
             time_integration: TimeIntegration::Euler,
             curvature: Curvature::NormalDivergence,
-            curvature_interval: 1,
             reference_pressure: ReferencePressure::None,
             kernel_correction: false,
             tangential_pressure: false,

@@ -5,7 +5,8 @@ use super::domain::Domain as PackingDomain;
 use super::{Packing, PackingError, PackingOptions, relax};
 use crate::region::Region;
 use meniscus_engine::domain::Domain;
-use meniscus_stages::colour_field::{ColourField, Particles};
+use meniscus_stages::colour_field::ColourField;
+use meniscus_stages::surface_points::Particles;
 use shapes::{Cylinder, Disc};
 use std::f64::consts::PI;
 
