@@ -132,7 +132,7 @@ impl CurvatureNormals {
         let (points, sizes) = (&self.points, &self.sizes[..]);
         let at = [Lanes::splat(r_a), Lanes::splat(z_a)];
         let (own, two_theta_lanes) = (Lanes::splat(size_a.min(self.largest)), Lanes::splat(two_theta));
-        points.within(r_a, z_a, 2.0 * two_theta * self.largest, |start, left| {
+        points.within(r_a, z_a, two_theta * (size_a.min(self.largest) + self.largest), |start, left| {
             let area = Lanes::load(&points.area[start..]).keep_first(left.min(WIDTH));
             let d = [Lanes::load(&points.r[start..]) - at[0], Lanes::load(&points.z[start..]) - at[1]];
             let inverse = Lanes::ONE / (two_theta_lanes * (own + Lanes::load(&sizes[start..])));

@@ -33,7 +33,8 @@ pub struct Integrate {
     density: Update<f64>,
     previous: Option<[Update<f64>; 2]>,
     force: [Read<f64>; 2],
-    dissipation: [Read<f64>; 2],
+    /// None where it is part of the force.
+    dissipation: Option<[Read<f64>; 2]>,
     strain_rate: Read<f64>,
     energy: Option<(Update<f64>, Read<f64>)>,
     mass: Read<f64>,
@@ -42,8 +43,15 @@ pub struct Integrate {
 
 impl Integrate {
     /// Moves the particles by one step; `origin` is the distance of the scene's origin from the axis in m.
-    pub fn new(wiring: &mut Wiring, scheme: Scheme, origin: f64, with_energy: bool) -> Self {
+    /// The dissipative force may be one apart.
+    pub fn new(
+        wiring: &mut Wiring,
+        scheme: Scheme,
+        origin: f64,
+        (with_dissipation, with_energy): (bool, bool),
+    ) -> Self {
         wiring.stage("integrate");
+        let dissipation = [&fields::DISSIPATION_R, &fields::DISSIPATION_Z];
         let previous = [&fields::PREVIOUS_ACCELERATION_R, &fields::PREVIOUS_ACCELERATION_Z];
         let two_step = scheme == Scheme::AdamsBashforth;
         Integrate {
@@ -54,7 +62,7 @@ impl Integrate {
             density: wiring.update(&fields::DENSITY),
             previous: two_step.then(|| previous.map(|field| wiring.update(field))),
             force: [wiring.read(&fields::FORCE_R), wiring.read(&fields::FORCE_Z)],
-            dissipation: [wiring.read(&fields::DISSIPATION_R), wiring.read(&fields::DISSIPATION_Z)],
+            dissipation: with_dissipation.then(|| dissipation.map(|field| wiring.read(field))),
             strain_rate: wiring.read(&fields::STRAIN_RATE),
             energy: with_energy.then(|| (wiring.update(&fields::TOTAL_ENERGY), wiring.read(&fields::POWER))),
             mass: wiring.read(&fields::MASS),
@@ -76,7 +84,7 @@ impl Integrate {
     /// moved.
     fn advance(&self, chunk: &Chunk) -> (Option<usize>, f64) {
         let [force_r, force_z] = self.force.map(|field| chunk.read(field));
-        let [dissipation_r, dissipation_z] = self.dissipation.map(|field| chunk.read(field));
+        let dissipation = self.dissipation.map(|fields| fields.map(|field| chunk.read(field)));
         let (strain_rate, mass) = (chunk.read(self.strain_rate), chunk.read(self.mass));
         let [mut r, mut z] = self.position.map(|field| chunk.write(field));
         let [mut u, mut w] = self.velocity.map(|field| chunk.write(field));
@@ -90,17 +98,21 @@ impl Integrate {
             let eight = first..chunk.len().min(first + WIDTH);
             let before = Lanes::load_or(&density[eight.clone()], 1.0);
             let inverse = Lanes::ONE / before;
-            let component = |force: &[f64], dissipation: &[f64], previous: Option<&mut [f64]>| {
-                let force = Lanes::load_or(&force[eight.clone()], 0.0) * inverse;
-                let dissipation = Lanes::load_or(&dissipation[eight.clone()], 0.0) * inverse;
-                step.change(force, dissipation, previous.map(|previous| &mut previous[eight.clone()]))
+            let component = |force: &[f64], dissipation: Option<&[f64]>, previous: Option<&mut [f64]>| {
+                let of = |force: &[f64]| Lanes::load_or(&force[eight.clone()], 0.0) * inverse;
+                let dissipation = dissipation.map_or(Lanes::ZERO, of);
+                step.change(of(force), dissipation, previous.map(|previous| &mut previous[eight.clone()]))
+            };
+            let (dissipation_r, dissipation_z) = match &dissipation {
+                Some([r, z]) => (Some(&r[..]), Some(&z[..])),
+                None => (None, None),
             };
             let (previous_r, previous_z) = match &mut previous {
                 Some([r, z]) => (Some(&mut r[..]), Some(&mut z[..])),
                 None => (None, None),
             };
-            let du = component(&force_r, &dissipation_r, previous_r);
-            let dw = component(&force_z, &dissipation_z, previous_z);
+            let du = component(&force_r, dissipation_r, previous_r);
+            let dw = component(&force_z, dissipation_z, previous_z);
             let (new_u, moved_r) = step.advance(&mut r[eight.clone()], &mut u[eight.clone()], du);
             let radius = Lanes::load_or(&r[eight.clone()], 1.0) + Lanes::splat(origin);
             // R < CLOSED D with D^2 = m/(2 pi R rho).

@@ -95,8 +95,7 @@ impl Builder<'_> {
         let reasons =
             ("rings that leave the axis are small, and large where they come to it", "no reference");
         if self.plan("size-evening", self.with_reference(), reasons) {
-            let two_step = self.physics.method.time_integration == TimeIntegration::AdamsBashforth;
-            let (rate, with) = (self.physics.capillary_rate, (two_step, self.with_energy()));
+            let (rate, with) = (self.physics.capillary_rate, (self.is_two_step(), self.with_energy()));
             let stage = SizeEvening::new(&mut self.wiring, self.packing, rate, with);
             stages.push(AnyStage::whole(stage));
         }
@@ -315,7 +314,7 @@ impl Builder<'_> {
             TimeIntegration::AdamsBashforth => integrate::Scheme::AdamsBashforth,
             TimeIntegration::Euler => integrate::Scheme::Euler,
         };
-        let (origin, with_energy) = (self.physics.domain.origin, self.with_energy());
-        AnyStage::chunks(Integrate::new(&mut self.wiring, scheme, origin, with_energy))
+        let with = (self.with_dissipation(), self.with_energy());
+        AnyStage::chunks(Integrate::new(&mut self.wiring, scheme, self.physics.domain.origin, with))
     }
 }

@@ -2,7 +2,7 @@
 
 use super::builder::Builder;
 use crate::scene::{
-    Curvature, FREE_SHIFTING, FREE_SHIFTING_THETA, Flux, Recoil, ReferencePressure, SHIFTING,
+    Curvature, FREE_SHIFTING, FREE_SHIFTING_THETA, Flux, Recoil, ReferencePressure, SHIFTING, TimeIntegration,
 };
 use meniscus_stages::equation_of_state::Second;
 use meniscus_stages::record::Precision;
@@ -62,6 +62,16 @@ impl Builder<'_> {
     /// so.
     pub(super) fn with_carrying(&self) -> bool {
         self.shifts_everywhere() && self.reconstructs() && !self.with_energy()
+    }
+
+    /// Whether the dissipative force is summed apart: two-step schemes treat it in another way, and the forces of
+    /// viscosity and of shocks on the axis join it.
+    pub(super) fn with_dissipation(&self) -> bool {
+        self.is_two_step() || self.with_viscosity() || self.with_shocks()
+    }
+
+    pub(super) fn is_two_step(&self) -> bool {
+        self.physics.method.time_integration == TimeIntegration::AdamsBashforth
     }
 
     pub(super) fn reconstructs(&self) -> bool {

@@ -89,6 +89,9 @@ impl Builder<'_> {
             (flow, (Some(moment), Some(weight), Some(sum)), rest) => {
                 pass::<R, _, _, _>(problem, (flow, (moment, weight, sum), rest), unit)
             }
+            (flow, (Some(moment), Some(weight), None), (None, None)) => {
+                pass::<R, _, _, _>(problem, (flow, (moment, weight)), unit)
+            }
             sums => pass::<R, _, _, _>(problem, sums, unit),
         }
     }
@@ -108,8 +111,11 @@ impl Builder<'_> {
 
     fn sums<G: Geometry>(&mut self, geometry: G) -> Sums<G> {
         self.wiring.stage("flux");
-        let flow =
-            (DensityRate::new(&mut self.wiring, geometry), PressureRiemann::new(&mut self.wiring, geometry));
+        let apart = self.with_dissipation();
+        let flow = (
+            DensityRate::new(&mut self.wiring, geometry),
+            PressureRiemann::new(&mut self.wiring, geometry, apart),
+        );
         let moment = (self.with_surface() || self.with_gradient() || self.physics.method.kernel_correction)
             .then(|| MomentMatrix::new(&mut self.wiring));
         let weight = self.with_surface().then(|| GhostWeight::new(&mut self.wiring, geometry));

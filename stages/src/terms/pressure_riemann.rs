@@ -1,4 +1,4 @@
-//! The force of the contact pressures, in two parts: what pressures give and what velocity jumps give.
+//! The force of the contact pressures, in two parts if wanted: what pressures give and what velocity jumps give.
 
 use crate::contact::Contact;
 use crate::fields;
@@ -10,21 +10,23 @@ use meniscus_engine::store::Write;
 use meniscus_engine::wiring::Wiring;
 
 /// rho_a dU_a/dt = -sum_b w_ab P* g_ab e_ab + (P_a/R_a) e_r (equation (17); method.md, section 3).
-/// The part of P* that comes from the velocity jump is summed apart: it is dissipative, and the time
-/// integration treats it by an explicit Euler step.
+/// The part of P* that comes from the velocity jump is summed apart: it is dissipative, and time integration
+/// may treat it in another way.
 pub struct PressureRiemann<G> {
     geometry: G,
     force: [Write<f64>; 2],
-    dissipation: [Write<f64>; 2],
+    /// None where both parts are one force.
+    dissipation: Option<[Write<f64>; 2]>,
 }
 
 impl<G: Geometry> PressureRiemann<G> {
-    /// Writes both force densities.
-    pub fn new(wiring: &mut Wiring, geometry: G) -> Self {
+    /// Writes the force density, and that of the dissipative part apart or with it.
+    pub fn new(wiring: &mut Wiring, geometry: G, apart: bool) -> Self {
+        let dissipation = [&fields::DISSIPATION_R, &fields::DISSIPATION_Z];
         PressureRiemann {
             geometry,
             force: [wiring.write(&fields::FORCE_R), wiring.write(&fields::FORCE_Z)],
-            dissipation: [wiring.write(&fields::DISSIPATION_R), wiring.write(&fields::DISSIPATION_Z)],
+            dissipation: apart.then(|| dissipation.map(|field| wiring.write(field))),
         }
     }
 }
@@ -51,8 +53,12 @@ impl<R: FlowState, G: Geometry> PairTerm<R, Contact<R::Scalar>> for PressureRiem
     #[inline(always)]
     fn finish(&self, a: &R, sum: [Lanes<R::Scalar>; 4], results: &mut [Lanes<R::Scalar>]) {
         let flow = a.flow();
-        results[0] = flow.pressure.mul_add(self.geometry.hoop_force(a), sum[0]);
-        results[1..4].copy_from_slice(&sum[1..4]);
+        let [mut force_r, mut force_z, r, z] = sum;
+        if self.dissipation.is_none() {
+            (force_r, force_z) = (force_r + r, force_z + z);
+        }
+        let force_r = flow.pressure.mul_add(self.geometry.hoop_force(a), force_r);
+        results[..4].copy_from_slice(&[force_r, force_z, r, z]);
     }
 
     fn operations(&self) -> u64 {
@@ -61,6 +67,6 @@ impl<R: FlowState, G: Geometry> PairTerm<R, Contact<R::Scalar>> for PressureRiem
 
     fn outputs(&self, columns: &mut Columns) {
         columns.extend(self.force.map(Some));
-        columns.extend(self.dissipation.map(Some));
+        columns.extend(self.dissipation.map_or([None; 2], |fields| fields.map(Some)));
     }
 }

@@ -84,7 +84,7 @@ fn terms_do_what_they_declare() {
     term("energy rate", EnergyRate::new(wiring, GEOMETRY));
     term("ghost weight", GhostWeight::new(wiring, GEOMETRY));
     term("moment matrix", MomentMatrix::new(wiring));
-    term("pressure", PressureRiemann::new(wiring, GEOMETRY));
+    term("pressure", PressureRiemann::new(wiring, GEOMETRY, true));
     term("velocity sum", VelocitySum::new(wiring));
     term("viscosity", Viscosity::new(wiring, GEOMETRY, 1e-3, false));
     term("viscosity with its power", Viscosity::new(wiring, GEOMETRY, 1e-3, true));
