@@ -72,7 +72,7 @@ impl Builder<'_> {
             (_, true, ..) => self.inviscid::<ShockRecord<T>, _, _>(geometry, shock),
             (_, _, true, _) => self.inviscid::<DeformationRecord<T>, _, _>(geometry, limited),
             (.., Second::Deformation) => self.inviscid::<DeformationRecord<T>, _, _>(geometry, FirstOrder),
-            _ => self.inviscid::<FlowRecord, _, _>(geometry, FirstOrder),
+            _ => self.plain(geometry),
         }
     }
 
@@ -84,15 +84,18 @@ impl Builder<'_> {
     {
         let unit = self.unit();
         let problem = ContactProblem { geometry, reconstruction };
-        // The sums of most scenes are fused without a question; the rest are options.
+        fused::<R, _, _>(problem, self.sums(geometry), unit)
+    }
+
+    /// With rows that hold nothing but the flow state. The paper's sums are fused without a question.
+    fn plain<G: Geometry + 'static>(&mut self, geometry: G) -> AnyStage {
+        let unit = self.unit();
+        let problem = ContactProblem { geometry, reconstruction: FirstOrder };
         match self.sums(geometry) {
-            (flow, (Some(moment), Some(weight), Some(sum)), rest) => {
-                pass::<R, _, _, _>(problem, (flow, (moment, weight, sum), rest), unit)
-            }
             (flow, (Some(moment), Some(weight), None), (None, None)) => {
-                pass::<R, _, _, _>(problem, (flow, (moment, weight)), unit)
+                pass::<FlowRecord, _, _, _>(problem, (flow, (moment, weight)), unit)
             }
-            sums => pass::<R, _, _, _>(problem, sums, unit),
+            sums => fused::<FlowRecord, _, _>(problem, sums, unit),
         }
     }
 
@@ -124,6 +127,21 @@ impl Builder<'_> {
         let crowding = (self.shifting() > 0.0).then(|| Crowding::new(&mut self.wiring, theta));
         let energy = self.with_energy().then(|| EnergyRate::new(&mut self.wiring, geometry));
         (flow, (moment, weight, sum), (crowding, energy))
+    }
+}
+
+/// The sums of most scenes are fused without a question; the rest are options.
+fn fused<R, G, F>(problem: ContactProblem<G, F>, sums: Sums<G>, unit: f64) -> AnyStage
+where
+    R: FlowState<Scalar: Packed> + 'static,
+    G: Geometry + 'static,
+    F: Reconstruction<R> + 'static,
+{
+    match sums {
+        (flow, (Some(moment), Some(weight), Some(sum)), rest) => {
+            pass::<R, _, _, _>(problem, (flow, (moment, weight, sum), rest), unit)
+        }
+        sums => pass::<R, _, _, _>(problem, sums, unit),
     }
 }
 
