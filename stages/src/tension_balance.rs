@@ -20,7 +20,7 @@
 //! f is a force on A . n. For phi = 1 nothing of it is lost. (With |A| f in the direction of f a drop at rest was driven.
 //! P there is a pressure P_ref and a part in 20 000, which f takes back; what A has along the surface was left over, most
 //! of it at the poles, and the vortices that it drove had 9e-6 of the capillary velocity after twenty capillary times,
-//! with 35 particles to the radius, and grew. It is 1e-6 now.)
+//! with 35 particles to the radius, and grew. It is 1.4e-6 now.)
 //!
 //! Forces are those of P - P_ref; what the reference does not do on the right side is -P_ref n ds. The contour is the
 //! polygon through the feet, the places on the surface next to the boundary particles.
