@@ -73,7 +73,7 @@ struct Corner {
 /// How much surface lies around a foot.
 #[derive(Clone, Copy, Debug, Default)]
 struct Around {
-    /// N, the sum of W times length, m.
+    /// N, the sum of W l, m.
     length: f64,
     /// The sum of W A . n, m.
     area: f64,

@@ -13,11 +13,12 @@
 //! cent, and so is the momentum that a film's edge gains. So surface forces become larger by what is lacking at each
 //! corner x_k of the contour, handed to the particles around with
 //!
-//!   f(x) = sum_k W(x - x_k)/N(x_k) times it, W a kernel a few particles wide and N the sum of W A . n.
+//!   f(x) = sum_k W(x - x_k)/N(x_k) times it, W a kernel a few particles wide and N the sum of W l, l = A . n + kappa
+//!   t V (I - L) t the length of contour above a particle, kappa its curvature.
 //!
 //! Across the surface f is a pressure that ghosts lack, and acts like theirs (`ghost_coupling`): along the A of each,
 //! on the strain rate, and with a gradient along the surface, which a mean V (I - L) over A . n hands on. Along the surface
-//! f is a force on A . n. For phi = 1 nothing of it is lost. (With |A| f in the direction of f a drop at rest was driven.
+//! f is a force on A . n. For phi = 1 less than a thousandth of it is lost. (With |A| f in the direction of f a drop at rest was driven.
 //! P there is a pressure P_ref and a part in 20 000, which f takes back; what A has along the surface was left over, most
 //! of it at the poles, and the vortices that it drove had 9e-6 of the capillary velocity after twenty capillary times,
 //! with 35 particles to the radius, and grew. It is 1.4e-6 now.)
