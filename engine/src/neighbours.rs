@@ -208,7 +208,8 @@ impl NeighbourList {
     }
 
     /// Listed pairs, counted from both sides.
-    pub fn pairs(&self) -> u64 {
+    #[cfg(test)]
+    fn pairs(&self) -> u64 {
         (0..self.len).map(|particle| self.of(particle).count() as u64).sum()
     }
 

@@ -20,7 +20,8 @@ pub const COMPUTED: &str = "curvature";
 pub const HOLDS_UNTIL: &str = "curvature holds";
 
 /// Part of the capillary time for which a Laplace pressure may be carried on: mode 2 of a drop gains .0004 of its
-/// amplitude in a period, less than it loses.
+/// amplitude in a period, less than it loses with the default smoothing length (with .6 and 12 particles to the radius
+/// .0005 is left over, of which .0004 go with the curvature in every step).
 const LAG: f64 = 0.0045;
 
 /// The Laplace pressure changes no faster than by this part of sigma/D in a particle's capillary time

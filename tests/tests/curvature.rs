@@ -120,11 +120,12 @@ fn disorder_stays_small_in_fine_packings() {
     }
 }
 
-/// .00067 and .00037 in the mean, .0016 and .0024 at worst were measured.
+/// .00057 and .00065 in the mean, .0018 and .0023 at worst were measured.
 #[test]
 fn curvature_of_a_surface_that_has_moved() {
     for (resolution, mean, largest) in [(10.0, 0.0015, 0.005), (20.0, 0.0007, 0.004)] {
         let errors = in_motion(resolution, 1);
+        println!("{errors:?}");
         assert!(errors.mean < mean && errors.largest < largest, "with {resolution}: {errors:?}");
     }
 }
