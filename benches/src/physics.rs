@@ -148,7 +148,7 @@ mod tests {
                     "reference-pressure",
                     "size-evening",
                 ],
-                "laplace_slope_r",
+                "laplace_slope",
             ),
             (&["shifting"], "crowding_r"),
             (&[], "power"),

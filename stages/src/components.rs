@@ -23,11 +23,13 @@ pub fn components<'a>(
         let (dr, dz) = (r_b - r[a], z_b - z[a]);
         dr * dr + dz * dz < support * support
     };
-    // Everyone follows a neighbour that comes earlier; few have none.
+    // Everyone follows a neighbour that comes earlier: the one just before, where memory follows space, or the first
+    // of its list. Few have none.
     let parent = arena.alloc_slice_fill_copy(r.len(), 0);
     let mut left = 0;
     for a in 0..r.len() {
-        let earlier = list.of(a).find(|&number| number < a && is_near(a, number));
+        let before = a.checked_sub(1).filter(|&before| is_near(a, before));
+        let earlier = before.or_else(|| list.of(a).find(|&number| number < a && is_near(a, number)));
         parent[a] = earlier.map_or(a as u32, |b| parent[b]);
         left += usize::from(earlier.is_none());
     }

@@ -33,6 +33,14 @@ pub struct ColourCurvature {
 /// its curvature were taken for would drive it about.
 const FEWEST: u32 = 12;
 
+/// What varies along the surface.
+#[derive(Clone, Copy)]
+struct AlongSurface {
+    slope: Update<f64>,
+    slope_rate: Write<f64>,
+    tangent: [Write<f64>; 2],
+}
+
 /// The stage. It must follow the boundary detection of the same step, which takes up the particles in
 /// the shared colour field.
 pub struct CurvatureColour {
@@ -45,15 +53,14 @@ pub struct CurvatureColour {
     pressure: Update<f64>,
     rate: Write<f64>,
     offset: [Update<f64>; 2],
-    slope: Option<[Write<f64>; 2]>,
-    tangent: Option<[Write<f64>; 2]>,
+    along: Option<AlongSurface>,
     step_bound: f64,
     boundary: Vec<u32>,
     near_boundary: Vec<u32>,
     /// Whose values are set, and in the order that particles had when the list of that number was built.
     set: (u64, Vec<u32>),
     found: Vec<Found>,
-    slopes: Vec<[f64; 2]>,
+    slopes: Vec<f64>,
     neighbours: SurfaceNeighbours,
 }
 
@@ -66,7 +73,6 @@ impl CurvatureColour {
         field: Arc<Mutex<ColourField>>,
     ) -> Self {
         wiring.stage("curvature");
-        let slope = [&fields::LAPLACE_SLOPE_R, &fields::LAPLACE_SLOPE_Z];
         let tangent = [&fields::SURFACE_TANGENT_R, &fields::SURFACE_TANGENT_Z];
         let offset = [&fields::SURFACE_OFFSET_R, &fields::SURFACE_OFFSET_Z];
         let size = 0.5 * packing.largest_size;
@@ -81,8 +87,11 @@ impl CurvatureColour {
             rate: wiring.write(&fields::LAPLACE_PRESSURE_RATE),
             offset: offset.map(|field| wiring.update(field)),
             step_bound: capillary_bound(&settings.tension, 0.25 * settings.support * size),
-            slope: settings.with_slope.then(|| slope.map(|field| wiring.write(field))),
-            tangent: settings.with_slope.then(|| tangent.map(|field| wiring.write(field))),
+            along: settings.with_slope.then(|| AlongSurface {
+                slope: wiring.update(&fields::LAPLACE_SLOPE),
+                slope_rate: wiring.write(&fields::LAPLACE_SLOPE_RATE),
+                tangent: tangent.map(|field| wiring.write(field)),
+            }),
             boundary: Vec::new(),
             near_boundary: Vec::new(),
             set: (0, Vec::new()),
@@ -150,14 +159,21 @@ impl CurvatureColour {
         let mut columns = Columns {
             pressure: world.store.write(self.pressure),
             rate: world.store.write(self.rate),
-            slope: self.slope.map(|slope| slope.map(|field| world.store.write(field))),
-            tangent: self.tangent.map(|tangent| tangent.map(|field| world.store.write(field))),
+            along: self.along.map(|along| AlongColumns {
+                slope: world.store.write(along.slope),
+                slope_rate: world.store.write(along.slope_rate),
+                tangent: along.tangent.map(|field| world.store.write(field)),
+            }),
             offset: self.offset.map(|field| world.store.write(field)),
         };
         let (boundary, near) = (&self.boundary, &self.near_boundary);
         let member = |k: usize| *boundary.get(k).unwrap_or_else(|| &near[k - boundary.len()]);
         let layer = &*world.arena.alloc_slice_fill_with(boundary.len() + near.len(), member);
-        let before = world.arena.alloc_slice_fill_with(layer.len(), |k| columns.pressure[layer[k] as usize]);
+        let before = |k: usize| {
+            let i = layer[k] as usize;
+            [columns.pressure[i], columns.along.as_ref().map_or(0.0, |along| along.slope[i])]
+        };
+        let before = &*world.arena.alloc_slice_fill_with(layer.len(), before);
         let (order, mut set) = std::mem::take(&mut self.set);
         columns.clear((order == world.neighbours.builds()).then_some(&set[..]));
         for (k, &i) in self.boundary.iter().enumerate() {
@@ -170,10 +186,17 @@ impl CurvatureColour {
         for &i in &self.near_boundary {
             columns.set(i, &self.beside([r[i as usize], z[i as usize]]));
         }
-        let mut rate = columns.rate;
-        for (&i, &before) in layer.iter().zip(&*before) {
-            let now = columns.pressure[i as usize];
-            rate[i as usize] = self.settings.tension.rate([before, now], elapsed, size(i));
+        let Columns { pressure, mut rate, mut along, .. } = columns;
+        for (&i, &[pressure_before, slope_before]) in layer.iter().zip(before) {
+            let (size, i) = (size(i), i as usize);
+            let rate_of = |before, now| self.settings.tension.rate([before, now], elapsed, size);
+            rate[i] = rate_of(pressure_before, pressure[i]);
+            if let Some(along) = &mut along
+                && pressure_before != 0.0
+            {
+                // As fast as pressures change, their difference over a particle's size may.
+                along.slope_rate[i] = rate_of(slope_before * size, along.slope[i] * size) / size;
+            }
         }
         set.clear();
         set.extend_from_slice(layer);
@@ -200,14 +223,15 @@ impl CurvatureColour {
         };
         let k = near.source(member);
         let turned = |[r, z]: [f64; 2]| if near.is_mirrored(member) { [-r, z] } else { [r, z] };
-        let (slope, offset) = (turned(self.slopes[k]), turned(self.found[k].offset));
+        let (tangent, offset) = (turned(self.found[k].tangent), turned(self.found[k].offset));
         // Mirrored, the tangent would have the liquid on its other side.
-        let tangent = turned(self.found[k].tangent).map(|t| if near.is_mirrored(member) { -t } else { t });
+        let direction = if near.is_mirrored(member) { -1.0 } else { 1.0 };
+        let (tangent, slope) = (tangent.map(|t| direction * t), direction * self.slopes[k]);
         let pressure = self.settings.tension.surface_tension * self.found[k].curvature;
         let foot = [way[0] + offset[0], way[1] + offset[1]];
         let along = foot[0] * tangent[0] + foot[1] * tangent[1];
         // The slope's place is the boundary particle, the way to it is `way`.
-        let carried = pressure - slope[0] * way[0] - slope[1] * way[1];
+        let carried = pressure - slope * (tangent[0] * way[0] + tangent[1] * way[1]);
         let most = 2.0 * SHARPEST * self.settings.tension.surface_tension / self.packing.largest_size;
         let pressure = carried.clamp(-most, most);
         let offset = [foot[0] - along * tangent[0], foot[1] - along * tangent[1]];
@@ -232,7 +256,7 @@ impl CurvatureColour {
             near.slope(k, tension * found[k].curvature, [3.0 * own, own], found[k].tangent, there)
         };
         self.slopes.clear();
-        self.slopes.resize(boundary.len(), [0.0; 2]);
+        self.slopes.resize(boundary.len(), 0.0);
         parallel::for_chunks_of(32, boundary.len(), &mut self.slopes[..], |start, slopes| {
             for (k, slope_here) in slopes.iter_mut().enumerate() {
                 *slope_here = slope(start + k);
@@ -245,7 +269,7 @@ impl CurvatureColour {
 #[derive(Default)]
 struct AtSurface {
     pressure: f64,
-    slope: [f64; 2],
+    slope: f64,
     tangent: [f64; 2],
     offset: [f64; 2],
 }
@@ -254,16 +278,26 @@ struct AtSurface {
 struct Columns<'a> {
     pressure: AtomicRefMut<'a, [f64]>,
     rate: AtomicRefMut<'a, [f64]>,
-    slope: Option<[AtomicRefMut<'a, [f64]>; 2]>,
-    tangent: Option<[AtomicRefMut<'a, [f64]>; 2]>,
+    along: Option<AlongColumns<'a>>,
     offset: [AtomicRefMut<'a, [f64]>; 2],
+}
+
+/// What of it varies along the surface.
+struct AlongColumns<'a> {
+    slope: AtomicRefMut<'a, [f64]>,
+    slope_rate: AtomicRefMut<'a, [f64]>,
+    tangent: [AtomicRefMut<'a, [f64]>; 2],
 }
 
 impl Columns<'_> {
     /// Sets to zero what is set, if it is known where that is.
     fn clear(&mut self, set: Option<&[u32]>) {
-        let others = self.slope.iter_mut().chain(&mut self.tangent).flatten().chain(&mut self.offset);
-        others.chain([&mut self.pressure, &mut self.rate]).for_each(|column| match set {
+        let along = self.along.iter_mut().flat_map(|along| {
+            let [tangent_r, tangent_z] = &mut along.tangent;
+            [&mut along.slope, &mut along.slope_rate, tangent_r, tangent_z]
+        });
+        let others = [&mut self.pressure, &mut self.rate].into_iter().chain(&mut self.offset);
+        along.chain(others).for_each(|column| match set {
             Some(set) => set.iter().for_each(|&i| column[i as usize] = 0.0),
             None => clear(&mut column[..]),
         });
@@ -274,9 +308,11 @@ impl Columns<'_> {
         self.pressure[i] = here.pressure;
         for axis in 0..2 {
             self.offset[axis][i] = here.offset[axis];
-            if let (Some(slope), Some(tangent)) = (&mut self.slope, &mut self.tangent) {
-                slope[axis][i] = here.slope[axis];
-                tangent[axis][i] = here.tangent[axis];
+        }
+        if let Some(along) = &mut self.along {
+            along.slope[i] = here.slope;
+            for axis in 0..2 {
+                along.tangent[axis][i] = here.tangent[axis];
             }
         }
     }

@@ -117,19 +117,19 @@ pub static EMPTINESS: Real = Field::state(
     "1",
     "Part of the room around a particle that the particles there leave empty, when it was last looked at.",
 );
-/// Gradient of the Laplace pressure along the surface, radial component.
-pub static LAPLACE_SLOPE_R: Real = Field::state(
-    "laplace_slope_r",
-    "grad_s P_L",
+/// Slope of the Laplace pressure along the surface's tangent.
+pub static LAPLACE_SLOPE: Real = Field::state(
+    "laplace_slope",
+    "dP_L/ds",
     "Pa/m",
-    "Gradient of the Laplace pressure along the surface, radial component.",
+    "Slope of the Laplace pressure along the surface's tangent when the curvature was last computed; zero inside.",
 );
-/// Gradient of the Laplace pressure along the surface, axial component.
-pub static LAPLACE_SLOPE_Z: Real = Field::state(
-    "laplace_slope_z",
-    "grad_s P_L",
-    "Pa/m",
-    "Gradient of the Laplace pressure along the surface, axial component.",
+/// Rate of that slope between the last two computations of the curvature.
+pub static LAPLACE_SLOPE_RATE: Real = Field::state(
+    "laplace_slope_rate",
+    "d2P_L/ds dt",
+    "Pa/m/s",
+    "Rate of the Laplace pressure's slope between the last two computations of the curvature.",
 );
 /// Non-dissipative acceleration of the step before, radial component.
 pub static PREVIOUS_ACCELERATION_R: Real = Field::state(

@@ -4,6 +4,7 @@
 use crate::fields;
 use crate::moment::Moment;
 use crate::surface::for_surface;
+use crate::surface_interval::COMPUTED;
 use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
 use meniscus_engine::store::{Add, Read};
 use meniscus_engine::wiring::Wiring;
@@ -16,7 +17,9 @@ pub const INVERTIBLE: f64 = 0.2;
 pub struct TangentialPressure {
     surface: Read<u32>,
     lack: [Read<f64>; 3],
-    slope: [Read<f64>; 2],
+    slope: Read<f64>,
+    slope_rate: Read<f64>,
+    tangent: [Read<f64>; 2],
     force: [Add<f64>; 2],
 }
 
@@ -28,7 +31,9 @@ impl TangentialPressure {
         TangentialPressure {
             surface: wiring.read(&fields::SURFACE),
             lack: support_lack(wiring),
-            slope: [wiring.read(&fields::LAPLACE_SLOPE_R), wiring.read(&fields::LAPLACE_SLOPE_Z)],
+            slope: wiring.read(&fields::LAPLACE_SLOPE),
+            slope_rate: wiring.read(&fields::LAPLACE_SLOPE_RATE),
+            tangent: [wiring.read(&fields::SURFACE_TANGENT_R), wiring.read(&fields::SURFACE_TANGENT_Z)],
             force: force.map(|field| wiring.add(field)),
         }
     }
@@ -44,15 +49,19 @@ impl ChunkStage for TangentialPressure {
         "tangential-pressure"
     }
 
-    fn chunk(&self, _: &Around, chunk: &Chunk) -> Partial {
+    fn chunk(&self, around: &Around, chunk: &Chunk) -> Partial {
         let [rr, rz, zz] = self.lack.map(|field| chunk.read(field));
-        let [slope_r, slope_z] = self.slope.map(|field| chunk.read(field));
+        let [tangent_r, tangent_z] = self.tangent.map(|field| chunk.read(field));
+        let (slope, slope_rate) = (chunk.read(self.slope), chunk.read(self.slope_rate));
+        // Carried on as the Laplace pressure is (`ghost_coupling`).
+        let elapsed = around.clock.time - around.clock.mark(COMPUTED);
         let [mut force_r, mut force_z] = self.force.map(|field| chunk.write(field));
         for_surface(&chunk.read(self.surface), |i| {
             let missing = Moment { rr: rr[i], rz: rz[i], zz: zz[i] };
-            let [r, z] = missing.apply([slope_r[i], slope_z[i]]);
-            force_r[i] -= r;
-            force_z[i] -= z;
+            let [r, z] = missing.apply([tangent_r[i], tangent_z[i]]);
+            let slope = slope[i] + elapsed * slope_rate[i];
+            force_r[i] -= slope * r;
+            force_z[i] -= slope * z;
         });
         [0.0; 2]
     }

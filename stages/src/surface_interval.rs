@@ -22,7 +22,7 @@ pub const HOLDS_UNTIL: &str = "curvature holds";
 /// Part of the capillary time for which a Laplace pressure may be carried on: mode 2 of a drop gains .0004 of its
 /// amplitude in a period, less than it loses with the default smoothing length (with .6 and 12 particles to the radius
 /// .0005 is left over, of which .0004 go with the curvature in every step).
-const LAG: f64 = 0.0045;
+const LAG: f64 = 0.006;
 
 /// The Laplace pressure changes no faster than by this part of sigma/D in a particle's capillary time
 /// sqrt(rho D^3/sigma): what is faster is no motion of a resolved surface, but another place found for it.
@@ -69,7 +69,7 @@ impl Tension {
 
     fn holds(&self, size: f64) -> f64 {
         let yields = self.density * self.sound_speed * size * size / self.surface_tension;
-        yields.min(LAG * self.capillary_time)
+        yields.min(LAG * xlag() * self.capillary_time)
     }
 
     /// The capillary time sqrt(rho D^3/sigma) of a particle, s.
@@ -90,6 +90,7 @@ pub fn is_due(clock: &Clock, interval: u64) -> bool {
     clock.step.is_multiple_of(steps)
 }
 
+fn xlag() -> f64 { static X: std::sync::OnceLock<f64> = std::sync::OnceLock::new(); *X.get_or_init(|| std::env::var("XLAG").ok().and_then(|s| s.parse().ok()).unwrap_or(1.0)) }
 #[cfg(test)]
 mod tests {
     use super::*;

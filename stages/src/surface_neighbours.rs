@@ -76,7 +76,7 @@ impl SurfaceNeighbours {
         [reach, size]: [f64; 2],
         tangent: [f64; 2],
         there: impl Fn(u32) -> (f64, f64),
-    ) -> [f64; 2] {
+    ) -> f64 {
         let [r, z] = [self.points[0][member], self.points[1][member]];
         let (mut upper, mut lower, mut largest) = (0.0, 0.0, 0.0_f64);
         let inverse = 1.0 / reach;
@@ -95,7 +95,6 @@ impl SurfaceNeighbours {
             }
         });
         let most = largest / size;
-        let slope = if lower > 0.0 { (upper / lower).clamp(-most, most) } else { 0.0 };
-        [tangent[0] * slope, tangent[1] * slope]
+        if lower > 0.0 { (upper / lower).clamp(-most, most) } else { 0.0 }
     }
 }

@@ -57,7 +57,7 @@ pub struct TensionBalance {
     support_lack: [Read<f64>; 3],
     weight: [Read<f64>; 2],
     pressure: Read<f64>,
-    slope: [Read<f64>; 2],
+    slope: Read<f64>,
     reference: Read<f64>,
     lack: [Update<f64>; 2],
     numbers: Vec<u32>,
@@ -81,7 +81,7 @@ impl TensionBalance {
             support_lack: support_lack.map(|field| wiring.read(field)),
             weight: [wiring.read(&fields::GHOST_WEIGHT_R), wiring.read(&fields::GHOST_WEIGHT_Z)],
             pressure: wiring.read(&fields::LAPLACE_PRESSURE),
-            slope: [wiring.read(&fields::LAPLACE_SLOPE_R), wiring.read(&fields::LAPLACE_SLOPE_Z)],
+            slope: wiring.read(&fields::LAPLACE_SLOPE),
             reference: wiring.read(&fields::REFERENCE_PRESSURE),
             lack: [wiring.update(&fields::TENSION_LACK_R), wiring.update(&fields::TENSION_LACK_Z)],
             numbers: Vec::new(),
@@ -97,10 +97,10 @@ impl TensionBalance {
         let [offset_r, offset_z] = self.offset.map(|field| world.store.read(field));
         let [tangent_r, tangent_z] = self.tangent.map(|field| world.store.read(field));
         let [weight_r, weight_z] = self.weight.map(|field| world.store.read(field));
-        let [slope_r, slope_z] = self.slope.map(|field| world.store.read(field));
         let [rr, rz, zz] = self.support_lack.map(|field| world.store.read(field));
         let (packed, surface) = (PackedState(&world.rows), world.store.read(self.surface));
-        let (pressure, reference) = (world.store.read(self.pressure), world.store.read(self.reference));
+        let (pressure, slope) = (world.store.read(self.pressure), world.store.read(self.slope));
+        let reference = world.store.read(self.reference);
         let first_reference = world.clock.number(FIRST_REFERENCE);
         let Packing { largest_size, domain, .. } = self.packing;
         self.numbers.clear();
@@ -123,7 +123,7 @@ impl TensionBalance {
             let deep = missing.apply(tangent);
             let reference = first_reference + reference[i];
             let acting = pressure[i] - reference;
-            let [tangential_r, tangential_z] = missing.apply([slope_r[i], slope_z[i]]);
+            let [tangential_r, tangential_z] = deep.map(|deep| slope[i] * deep);
             SurfaceParticle {
                 is_boundary: surface[i] == BOUNDARY,
                 size: size.min(largest_size),
