@@ -48,12 +48,11 @@ pub fn components<'a>(
         }
         left
     };
-    // Their neighbours bring most of these together: mostly to one component, and that can't become less.
+    // Their neighbours bring most of these together, and others the rest: mostly to one component, and that can't
+    // become less.
     let is_one = (0..r.len()).any(|a| parent[a] == a as u32 && join_neighbours(parent, a) == 1);
     if !is_one {
-        for a in 0..r.len() {
-            join_neighbours(parent, a);
-        }
+        (0..r.len()).any(|a| join_neighbours(parent, a) == 1);
     }
     for i in 0..parent.len() {
         parent[i] = root(parent, i as u32);
