@@ -4,6 +4,9 @@ use bumpalo::Bump;
 use meniscus_engine::domain::Domain;
 use meniscus_engine::neighbours::NeighbourList;
 
+/// One in so many particles is asked first which components meet at it.
+const SOME: usize = 16;
+
 /// Joins every two particles within each other's support; a component's name is its least particle.
 /// Columns are r and z in metres; a particle's reach in metres is half the support radius of a pair of equals.
 pub fn components<'a>(
@@ -13,33 +16,33 @@ pub fn components<'a>(
     reach: impl Fn(usize) -> f64,
     arena: &'a Bump,
 ) -> &'a mut [u32] {
-    let is_near = |a: usize, number: usize| {
+    let is_near = |[r_a, z_a, reach_a]: [f64; 3], number: usize| {
         let b = list.source(number);
         let (r_b, z_b) = match number.checked_sub(list.len()) {
             Some(image) => domain.place(&list.images()[image], r[b], z[b]),
             None => (r[b], z[b]),
         };
-        let support = reach(a) + reach(b);
-        let (dr, dz) = (r_b - r[a], z_b - z[a]);
+        let support = reach_a + reach(b);
+        let (dr, dz) = (r_b - r_a, z_b - z_a);
         dr * dr + dz * dz < support * support
     };
-    // Everyone follows a neighbour that comes earlier: the one just before, where memory follows space, or the first
-    // of its list. Few have none.
+    // Everyone follows a neighbour that comes earlier; few have none.
     let parent = arena.alloc_slice_fill_copy(r.len(), 0);
     let mut left = 0;
     for a in 0..r.len() {
-        let before = a.checked_sub(1).filter(|&before| is_near(a, before));
-        let earlier = before.or_else(|| list.of(a).find(|&number| number < a && is_near(a, number)));
+        let here = [r[a], z[a], reach(a)];
+        let earlier = list.of(a).find(|&number| number < a && is_near(here, number));
         parent[a] = earlier.map_or(a as u32, |b| parent[b]);
         left += usize::from(earlier.is_none());
     }
     let mut join_neighbours = |parent: &mut [u32], a: usize| {
+        let here = [r[a], z[a], reach(a)];
         let mut root_a = root(parent, a as u32);
         for number in list.of(a) {
             // Most neighbours belong to the same component already, and need not be measured. (To leave out those
             // with b > a would take longer: half of all guesses of that branch are wrong.)
             let root_b = root(parent, list.source(number) as u32);
-            if root_b != root_a && is_near(a, number) {
+            if root_b != root_a && is_near(here, number) {
                 let least = root_a.min(root_b);
                 parent[root_a.max(root_b) as usize] = least;
                 root_a = least;
@@ -48,11 +51,12 @@ pub fn components<'a>(
         }
         left
     };
-    // Their neighbours bring most of these together, and others the rest: mostly to one component, and that can't
-    // become less.
-    let is_one = (0..r.len()).any(|a| parent[a] == a as u32 && join_neighbours(parent, a) == 1);
+    // The neighbours of those that have none bring most of these together, then those of one in some, for what is left
+    // meets along borders, and then those of all: mostly to one component, and that can't become less.
+    let is_one = (0..r.len()).any(|a| parent[a] == a as u32 && join_neighbours(parent, a) == 1)
+        || (0..r.len()).step_by(SOME).any(|a| join_neighbours(parent, a) == 1);
     if !is_one {
-        (0..r.len()).any(|a| join_neighbours(parent, a) == 1);
+        (0..r.len()).for_each(|a| _ = join_neighbours(parent, a));
     }
     for i in 0..parent.len() {
         parent[i] = root(parent, i as u32);
