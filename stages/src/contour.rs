@@ -14,7 +14,8 @@ const SUPPORT: f64 = 4.0;
 const APART: f64 = 5.0;
 /// Feet that lie across the contour by so many particle sizes more than along it belong to another one.
 const ACROSS: f64 = 0.2;
-/// Largest f over the mean pressure of the ghosts around: in a crack or in spray there is no contour to speak of.
+/// Largest f over the mean pressure of the ghosts around: in a crack or in spray there is no contour to speak of. Where no
+/// ghost around faces outward f is zero.
 const LARGEST: f64 = 1.0;
 
 /// A foot counts as no nearer to the axis than so many particle sizes where it is divided by its distance.
@@ -317,7 +318,7 @@ impl Contour {
             sums[1] -= slope * lanes(10);
         });
         if around.area <= 0.0 {
-            return f;
+            return [0.0; 2];
         }
         let inverse = 1.0 / (SUPPORT * at.size);
         let slope = [0, 1].map(|axis| (inverse * sums[axis].sum() - around.slope * f[axis]) / around.length);
@@ -445,6 +446,24 @@ mod tests {
         }
         for lack in lacks(&particles, 1e6) {
             assert!(lack[0].hypot(lack[1]) < 1e-3, "{lack:?}");
+        }
+    }
+
+    /// As spray does: of three particles that follow each other only the last one's ghost faces outward, by next to nothing.
+    #[test]
+    fn what_hardly_faces_outward_lacks_nothing_beyond_bounds() {
+        let places = [(0.0, [1.0, 0.0], 0.0), (3.0, [1.0, 0.0], 0.0), (6.5, [0.8, -0.6], 1e-15)];
+        let particles = places.map(|(along, tangent, area)| SurfaceParticle {
+            foot: [along * SIZE, 0.0],
+            tangent,
+            area: area * SIZE,
+            depth: 0.0,
+            force: [0.0, area * SIZE],
+            missing: [0.0; 2],
+            ..circle(1e6, 0.0, 1.0)[0]
+        });
+        for (particle, [r, z]) in particles.iter().zip(lacks(&particles, 1e6)) {
+            assert!(r.hypot(z) <= LARGEST * particle.pressure, "{r} {z} at {:?}", particle.foot);
         }
     }
 
