@@ -23,6 +23,11 @@ const UNEVEN: [f64; 2] = [0.05, 0.1];
 /// Distance from the axis, in particle sizes, below which shifting sets in, and at which it has its full
 /// strength: a ring that closes on the axis has no neighbour there that would hold it off.
 const CLOSING: [f64; 2] = [0.42, 0.35];
+/// The same for a ring that sticks to the axis: with wide supports the kernel's gradient at its image, so near, is next to
+/// nothing, its neighbours push it on, and the whole scene waits for its steps. It moves outward whatever the crowding.
+const STUCK: [f64; 2] = [0.35, 0.2];
+/// Speed of that over the greatest one that scales shifts.
+const LOOSENING: f64 = 0.1;
 
 /// Rate of deformation, over the slowest that matters in the scene, that needs no shift.
 const GENTLE: f64 = 0.03;
@@ -217,15 +222,15 @@ impl Shifting {
         k: usize,
         (radius, needed): (f64, f64),
     ) -> [f64; 2] {
-        let Strength { coefficient, speed, rate, theta, .. } = self.strength;
+        let Strength { coefficient, speed: greatest, rate, theta, .. } = self.strength;
         let size = neighbourhoods.size(k);
         let support = 4.0 * theta * size;
         let speed = match &columns.deformation {
             Some([rr, shear, zz]) => {
                 let square = rr[k] * rr[k] + zz[k] * zz[k] + 0.5 * shear[k] * shear[k];
-                (support * (square.sqrt() - GENTLE * rate).max(0.0)).min(speed)
+                (support * (square.sqrt() - GENTLE * rate).max(0.0)).min(greatest)
             }
-            None => speed,
+            None => greatest,
         };
         let factor = needed * coefficient * speed * columns.step_size * support;
         let [crowding_r, crowding_z] = &columns.crowding;
@@ -237,7 +242,9 @@ impl Shifting {
         let keep = if length > CAP * size { CAP * size / length } else { 1.0 };
         // A shift must not carry a particle to the axis.
         let room = (radius - CLOSED * size).max(0.0);
-        [(keep * shift[0]).max(-0.5 * room), keep * shift[1]]
+        let stuck = ramp(radius / size, STUCK) * LOOSENING * greatest * columns.step_size;
+        let out = if stuck > 0.0 { (keep * shift[0]).max(stuck.min(CAP * size)) } else { keep * shift[0] };
+        [out.max(-0.5 * room), keep * shift[1]]
     }
 }
 
