@@ -8,8 +8,7 @@ use meniscus_stages::fields;
 use meniscus_stages::surface::BOUNDARY;
 use std::f64::consts::PI;
 
-/// How far apart, in particle sizes, neighbouring points of a surface can lie: in creases gaps are wide, and at a pole that
-/// its ring has just left.
+/// How far apart, in particle sizes, neighbouring points of a surface can lie: in creases gaps are wide.
 const REACH: f64 = 8.0;
 /// Part of that within which points tell the surface's direction.
 const CLOSE: f64 = 0.5;
@@ -21,13 +20,14 @@ const MERGED: f64 = 0.3;
 /// Area of the free surface in m2; `None` where the pipeline doesn't look for the surface's place.
 ///
 /// Every boundary particle knows the way to the surface: where it ends lies a point of the surface. What lies
-/// halfway to the next such point on either side, turned about the axis, is its share.
+/// halfway to the next such point on either side, turned about the axis, is its share. A pole that its ring has just left is
+/// closed by a disc.
 pub(super) fn area(store: &Store, physics: &Physics) -> Option<f64> {
     let (size, origin) = (physics.particle_size, physics.domain.origin);
     let (r, z) = feet(store)?;
-    let sizes: Vec<f64> = sizes(store, origin)?.into_iter().map(|own| own.max(size)).collect();
-    let points = Points::new(merged(&r, &z, &sizes, MERGED * size), &physics.domain);
-    Some((0..points.count).map(|point| points.share(point, origin)).sum())
+    let spots = merged(&r, &z, &sizes(store, origin)?, MERGED * size);
+    let points = Points::new(spots, REACH * size, &physics.domain);
+    Some((0..points.sizes.len()).map(|point| points.share(point, origin)).sum())
 }
 
 /// Sizes of the boundary particles, m: those of rings that were drawn in to the axis are several times the others'.
@@ -52,7 +52,7 @@ pub(super) fn feet(store: &Store) -> Option<(Vec<f64>, Vec<f64>)> {
     Some(boundary.map(|i| (r[i] + offset_r[i], z[i] + offset_z[i])).unzip())
 }
 
-/// Points of the surface, m: r, z and how far the next ones may lie.
+/// Points of the surface, m: r, z and the sizes of their particles.
 type Spots = [Vec<f64>; 3];
 
 /// Points with particles of the given sizes, m, without those that lie within `distance` m of one before.
@@ -71,32 +71,31 @@ fn merged(r: &[f64], z: &[f64], sizes: &[f64], distance: f64) -> Spots {
         is_kept[point] = !has_one;
     }
     let kept = |of: &dyn Fn(usize) -> f64| (0..r.len()).filter(|&point| is_kept[point]).map(of).collect();
-    [kept(&|point| r[point]), kept(&|point| z[point]), kept(&|point| REACH * sizes[point])]
+    [kept(&|point| r[point]), kept(&|point| z[point]), kept(&|point| sizes[point])]
 }
 
 /// Points of the surface in the plane and then their images, m.
 struct Points {
-    count: usize,
     r: Vec<f64>,
     z: Vec<f64>,
-    reach: Vec<f64>,
+    /// Sizes of the points' particles, m.
+    sizes: Vec<f64>,
+    reach: f64,
     bins: Bins,
 }
 
 impl Points {
-    fn new([mut r, mut z, reach]: Spots, domain: &Domain) -> Self {
-        let (count, mut images, mut bins) = (r.len(), Vec::new(), Bins::default());
-        let farthest = reach.iter().copied().fold(0.0, f64::max);
-        let least = reach.iter().copied().fold(farthest, f64::min);
-        domain.images(&r, &z, farthest, &mut images);
+    fn new([mut r, mut z, sizes]: Spots, reach: f64, domain: &Domain) -> Self {
+        let (mut images, mut bins) = (Vec::new(), Bins::default());
+        domain.images(&r, &z, reach, &mut images);
         for image in &images {
             let source = image.source as usize;
             let (image_r, image_z) = domain.place(image, r[source], z[source]);
             r.push(image_r);
             z.push(image_z);
         }
-        bins.build(&r, &z, 0.5 * CLOSE * least);
-        Points { count, r, z, reach, bins }
+        bins.build(&r, &z, 0.5 * CLOSE * reach);
+        Points { r, z, sizes, reach, bins }
     }
 
     /// Calls `visit` with the ways to the points within `reach` m of one, and their lengths.
@@ -117,7 +116,7 @@ impl Points {
     /// the surface may point anywhere, so it doesn't tell.)
     fn tangent(&self, point: usize) -> [f64; 2] {
         let (mut difference, mut product) = (0.0, 0.0);
-        let close = CLOSE * self.reach[point];
+        let close = CLOSE * self.reach;
         self.near(point, close, |[dr, dz], distance| {
             // The next points count most: at a narrow rim those farther away lie on its other side.
             let weight = (1.0 - distance / close).powi(6);
@@ -133,7 +132,7 @@ impl Points {
         let tangent = self.tangent(point);
         // The nearest point on either side: its distance, and how much farther from the axis it lies.
         let mut nearest: [Option<(f64, f64)>; 2] = [None; 2];
-        self.near(point, self.reach[point], |[dr, dz], distance| {
+        self.near(point, self.reach, |[dr, dz], distance| {
             let along = dr * tangent[0] + dz * tangent[1];
             let across = dr * tangent[1] - dz * tangent[0];
             let side = &mut nearest[usize::from(along > 0.0)];
@@ -143,6 +142,13 @@ impl Points {
             }
         });
         let radius = self.r[point] + origin;
+        // Rings that were drawn in to the axis are several times as large as the others, and leave gaps in proportion: across
+        // the axis lies the point's own image.
+        let inward = &mut nearest[usize::from(tangent[0] < 0.0)];
+        let is_steep = tangent[1].abs() > tangent[0].abs();
+        if inward.is_none() && !is_steep && 2.0 * radius < REACH * self.sizes[point] {
+            *inward = Some((2.0 * radius, -2.0 * radius));
+        }
         // Half the way is a slice of a cone; its mean radius is that at a quarter of the way.
         let slice = |(distance, dr): (f64, f64)| PI * distance * (radius + 0.25 * dr);
         nearest.into_iter().flatten().map(slice).sum()
@@ -214,8 +220,9 @@ mod tests {
             }
         }
         let [r, z, sizes] = columns;
-        let points = Points::new(merged(&r, &z, &sizes, distance), &Domain::default());
-        (0..points.count).map(|point| points.share(point, 0.0)).sum::<f64>() / (4.0 * PI)
+        let spots = merged(&r, &z, &sizes, distance);
+        let points = Points::new(spots, REACH * SPACING, &Domain::default());
+        (0..points.sizes.len()).map(|point| points.share(point, 0.0)).sum::<f64>() / (4.0 * PI)
     }
 
     const SPACING: f64 = PI / 60.0;
