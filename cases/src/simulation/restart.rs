@@ -150,7 +150,10 @@ fn take_columns(store: &mut Store, checkpoint: &Checkpoint) -> Result<(), String
         .map(|name| format!("`{name}`"))
         .collect();
     if !missing.is_empty() {
-        return Err(format!("it lacks {}", missing.join(", ")));
+        return Err(format!(
+            "it lacks {}; an earlier or later version of Meniscus wrote it: resume with that one, or run the scene anew",
+            missing.join(", ")
+        ));
     }
     if checkpoint.particles() == 0 {
         return Err("it holds no particles".to_owned());
