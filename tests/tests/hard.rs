@@ -76,13 +76,10 @@ fn survive(case: &str, settings: &[&str]) -> f64 {
     let (mut most, mut drift, mut gathered, mut scale) = (0.0_f64, 0.0_f64, 0.0_f64, start.momentum_scale);
     let (mut change, mut largest) = (0.0, 0.0_f64);
     let last = scene.steps.unwrap_or(u64::MAX);
-    let mut first_step = 0.0;
+    drops::advance(&mut simulation, 1);
+    let first_step = simulation.world.clock.previous_step_size;
     while simulation.world.clock.time < scene.until && simulation.world.clock.step < last {
         let left = last - simulation.world.clock.step;
-        if first_step == 0.0 {
-            drops::advance(&mut simulation, 1);
-            first_step = simulation.world.clock.previous_step_size;
-        }
         drops::advance(&mut simulation, left.min(CHECKED) as usize);
         assert!(drops::is_finite(&simulation), "{case} {settings:?}");
         let least = column(&simulation, "radius").into_iter().fold(f64::INFINITY, f64::min);
