@@ -11,7 +11,10 @@ mod scalar;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 use wide::f64x8;
 
-pub use rows::{COORDINATE, HalfRow, Packed, Row, RowPart, RowTable, SLOTS, SingleRow, Slots};
+pub use rows::{
+    COORDINATE, Packed, Row, RowPart, RowTable, SLOTS, SingleRow, Slots, THIRDS, WHOLE,
+    with_second_third_turned,
+};
 pub use scalar::{PLACE_STEP, Scalar, Vector, place};
 
 /// Number of particles that one [`Lanes`] of double precision holds, half as many as one of single precision.

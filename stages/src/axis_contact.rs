@@ -49,10 +49,9 @@ impl ChunkStage for AxisContact {
         let (density, sound_speed) = (chunk.read(self.density), chunk.read(self.sound_speed));
         let packed = PackedState(around.rows);
         let mut dissipation = chunk.write(self.dissipation);
-        let Packing { theta, largest_size, .. } = self.packing;
         let size = |i: usize| packed.size(chunk.start + i);
         for (i, dissipation) in dissipation.iter_mut().enumerate() {
-            let support = 4.0 * theta * size(i).min(largest_size);
+            let support = 2.0 * self.packing.reach(size(i));
             let (distance, closing) = (2.0 * radius[i], -velocity[i]);
             if distance < support && closing > 0.0 {
                 let inside = 1.0 - distance / support;

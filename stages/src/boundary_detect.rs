@@ -195,7 +195,7 @@ impl BoundaryDetect {
                     Some(image) => domain.place(&list.images()[image], r[b], z[b]),
                     None => (r[b], z[b]),
                 };
-                let support = packed.reach(a) + packed.reach(b);
+                let support = self.packing.reach(packed.size(a)) + self.packing.reach(packed.size(b));
                 let (dr, dz) = (r_b - r[a], z_b - z[a]);
                 if dr * dr + dz * dz < support * support {
                     surface[b] = NEAR_BOUNDARY;

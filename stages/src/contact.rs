@@ -1,7 +1,7 @@
 //! The contact of two particles: distance, kernel gradient, weight and the Riemann star state, evaluated
 //! once per pair for all terms.
 
-use crate::geometry::{AxisState, Geometry};
+use crate::geometry::{AxisState, Geometry, Support};
 use crate::record::{DeformationState, FlowState, ShockRecord};
 use meniscus_engine::lanes::{Lanes, Scalar};
 use meniscus_engine::pairs::Interaction;
@@ -239,6 +239,8 @@ pub struct Halves<T: Scalar> {
 pub struct ContactProblem<G, F> {
     /// Weights and hoop terms.
     pub geometry: G,
+    /// Who sees whom.
+    pub support: Support,
     /// How velocities are brought to the contact.
     pub reconstruction: F,
 }
@@ -247,7 +249,7 @@ pub struct ContactProblem<G, F> {
 pub(crate) const KERNEL: f64 = 140.0 / PI;
 
 /// Operations of a contact without its weight and reconstruction.
-const OPERATIONS: u64 = 48;
+const OPERATIONS: u64 = 50;
 
 impl<R: FlowState, G: Geometry, F: Reconstruction<R>> Interaction<R> for ContactProblem<G, F> {
     type Pair = Contact<R::Scalar>;
@@ -275,7 +277,8 @@ impl<R: FlowState, G: Geometry, F: Reconstruction<R>> Interaction<R> for Contact
         let jump = du.mul_add(dr, dw * dz);
         let begun = self.reconstruction.begin(record_a, record_b, [dr_dr, dr * dz, dz_dz], jump);
         let impedances = self.reconstruction.impedances(record_a, record_b, jump, distance);
-        let (support, impedance_distance) = (a.reach + b.reach, (impedances.0 + impedances.1) * distance);
+        let support = self.support.of_pair(a.size, b.size);
+        let impedance_distance = (impedances.0 + impedances.1) * distance;
         // One division gives all inverses.
         let inverse = Lanes::ONE / (support * impedance_distance);
         Approach { dr, dz, distance, jump, begun, impedances, support, impedance_distance, inverse }
@@ -307,7 +310,7 @@ impl<R: FlowState, G: Geometry, F: Reconstruction<R>> Interaction<R> for Contact
         let carried = impedance_a.mul_add(rises.left, impedance_b * rises.right);
         let pushed = (a.pressure - b.pressure) * distance;
         let resistance = impedance_a * impedance_b * inverse_impedance_distance;
-        let area_kernel = b.area * kernel;
+        let area_kernel = b.size * b.size * kernel;
         Contact {
             dr,
             dz,

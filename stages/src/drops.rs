@@ -43,7 +43,7 @@ impl Stage for Drops {
         }
         let [r, z] = self.position.map(|field| world.store.read(field));
         let packed = PackedState(&world.rows);
-        let reach = |i: usize| packed.reach(i);
+        let reach = |i: usize| self.packing.reach(packed.size(i));
         let root = components(&world.neighbours, &self.packing.domain, [&r, &z], reach, &world.arena);
         let mut drop = world.store.write(self.drop);
         let mut count = 0;

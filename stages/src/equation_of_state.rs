@@ -1,18 +1,21 @@
 //! Equation of state: sound speed of every particle, and the packed rows for the pair pass, which hold size and pressure.
 
 use crate::fields;
+use crate::geometry::Support;
 use crate::liquids::EquationOfState;
 use crate::record::{Deformation, Flow, Precision};
 use crate::reference_pressure::FIRST_REFERENCE;
-use crate::rows::{FirstPart, SecondPart, image_of_first, image_of_second, image_of_single};
-use meniscus_engine::domain::Domain;
+use crate::rows::{Rest, RowState, StateRow, image_of_double, image_of_single};
+use meniscus_engine::domain::{Domain, Image};
 use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
-use meniscus_engine::lanes::{HalfRow, Lanes, Row, SingleRow, WIDTH};
+use meniscus_engine::lanes::{Lanes, Row, SingleRow, WIDTH};
 use meniscus_engine::parallel;
 use meniscus_engine::pipeline::{Fault, World};
 use meniscus_engine::store::{Read, Write};
 use meniscus_engine::wiring::Wiring;
+use std::cell::Ref;
 use std::f64::consts::PI;
+use std::ops::Range;
 
 /// How particles become rows.
 #[derive(Clone, Copy, Debug)]
@@ -41,38 +44,36 @@ impl Packing {
         (mass / (2.0 * PI * (r + self.domain.origin) * density)).sqrt()
     }
 
-    /// Half the support radius of a pair of equals, 2 theta D, m.
+    /// Half the support radius of a pair of equals of that size, 2 theta D, m.
     #[inline(always)]
-    pub fn reach(&self, r: f64, density: f64, mass: f64) -> f64 {
-        2.0 * self.theta * self.size(r, density, mass).min(self.largest_size)
+    pub fn reach(&self, size: f64) -> f64 {
+        2.0 * self.theta * size.min(self.largest_size)
+    }
+
+    /// The supports of pairs, in the rows' unit of length.
+    pub fn support(&self, precision: Precision) -> Support {
+        Support { theta: self.theta, largest_size: self.largest_size / self.unit(precision) }
     }
 }
 
-/// What the second half of a row holds, if anything.
+/// What rows hold besides the flow state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Second {
-    /// Nothing: there is no second half.
+pub enum Besides {
+    /// Nothing.
     Nothing,
-    /// The rate of deformation predicted for the present time, and the kernel scale.
+    /// The kernel scale.
+    KernelScale,
+    /// The kernel scale, and the rate of deformation predicted for the present time.
     Deformation,
-    /// Density and kernel scale.
+    /// Kernel scale and density.
     Density,
 }
 
-/// The fields of the second row.
-#[derive(Clone)]
-enum SecondRow {
-    Deformation(DeformationFields),
-    /// The kernel scale; the density is at hand.
-    Density(Read<f64>),
-}
-
-/// Rate of deformation and kernel scale for the second row.
+/// Rate of deformation and how fast it changes.
 #[derive(Clone)]
 struct DeformationFields {
     deformation: [Read<f64>; 3],
     change: [Read<f64>; 3],
-    kernel_scale: Read<f64>,
 }
 
 /// When the state is evaluated.
@@ -107,7 +108,9 @@ pub struct State<E> {
     reference_pressure: Read<f64>,
     /// That of the first drop, Pa.
     first_reference: f64,
-    second: Option<SecondRow>,
+    besides: Besides,
+    kernel_scale: Option<Read<f64>>,
+    deformation: Option<DeformationFields>,
     precision: Precision,
     /// The unit of length of the rows, m.
     unit: f64,
@@ -119,12 +122,12 @@ pub struct State<E> {
 }
 
 impl<E: EquationOfState> State<E> {
-    /// Packs rows with the given second half, at the start of a step where that is needed.
+    /// Packs rows at the start of a step where that is needed.
     pub fn anew(
         wiring: &mut Wiring,
         equation: E,
         packing: Packing,
-        second: Second,
+        besides: Besides,
         precision: Precision,
     ) -> Self {
         wiring.stage(When::Anew.name());
@@ -139,7 +142,9 @@ impl<E: EquationOfState> State<E> {
             energy: E::WITH_ENERGY.then(|| wiring.read(&fields::TOTAL_ENERGY)),
             reference_pressure: wiring.read(&fields::REFERENCE_PRESSURE),
             first_reference: 0.0,
-            second: SecondRow::new(wiring, second),
+            besides,
+            kernel_scale: (besides != Besides::Nothing).then(|| wiring.read(&fields::KERNEL_SCALE)),
+            deformation: (besides == Besides::Deformation).then(|| DeformationFields::new(wiring)),
             precision,
             unit: packing.unit(precision),
             sound_speed: (!is_constant).then(|| wiring.write(&fields::SOUND_SPEED)),
@@ -156,17 +161,18 @@ impl<E: EquationOfState> State<E> {
 
     /// Sound speed of the particles of a chunk, and their rows; by how much, m, any reach has grown over that in the rows
     /// before.
-    fn evaluate<R: FirstPart>(&self, chunk: &Chunk) -> f64 {
+    fn evaluate<R: StateRow>(&self, chunk: &Chunk) -> f64 {
         let [r, z] = self.position.map(|field| chunk.read(field));
         let [u, w] = self.velocity.map(|field| chunk.read(field));
         let (density, mass) = (chunk.read(self.density), chunk.read(self.mass));
         let reference = chunk.read(self.reference_pressure);
         let energy = self.energy.map(|field| chunk.read(field));
+        let kernel_scale = self.kernel_scale.map(|field| chunk.read(field));
+        let deformation = self.deformation.as_ref().map(|fields| fields.columns(chunk));
         let mut sound_speeds = self.sound_speed.map(|field| chunk.write(field));
         let mut rows = chunk.rows();
         let mut growth = Lanes::ZERO;
         let largest = Lanes::splat(self.packing.largest_size);
-        let two_theta = Lanes::splat(2.0 * self.packing.theta);
         for (k, rows) in R::of(&mut rows).chunks_mut(WIDTH).enumerate() {
             let range = k * WIDTH..k * WIDTH + rows.len();
             let of = |column: &[f64], fill| Lanes::load_or(&column[range.clone()], fill).to_array();
@@ -180,9 +186,9 @@ impl<E: EquationOfState> State<E> {
             let radius = Lanes::load(&r) + Lanes::splat(self.packing.domain.origin);
             let around = Lanes::splat(2.0 * PI) * radius * Lanes::load(&density);
             let size = (Lanes::load(&mass) / around).sqrt();
-            let reach = two_theta * size.min(largest);
-            let before = |i: usize| rows.get(i).map_or(f64::MAX, |row| row.least_reach(self.unit));
-            growth = growth.max(reach - Lanes::load(&std::array::from_fn::<f64, WIDTH, _>(before)));
+            let before = |i: usize| rows.get(i).map_or(f64::MAX, |row| row.least_size(self.unit));
+            let before = Lanes::load(&std::array::from_fn::<f64, WIDTH, _>(before));
+            growth = growth.max(size.min(largest) - before.min(largest));
             let pressure: [f64; WIDTH] = std::array::from_fn(|i| {
                 self.equation.pressure(density[i], internal(i)) - (self.first_reference + reference[i])
             });
@@ -194,70 +200,52 @@ impl<E: EquationOfState> State<E> {
             let flow = Flow {
                 r,
                 z,
-                reach: reach.to_array(),
-                area: (size * size).to_array(),
+                size: size.to_array(),
                 velocity_r: u,
                 velocity_z: w,
                 pressure,
                 impedance: std::array::from_fn(|i| density[i] * sound_speed[i]),
             };
-            R::pack(&flow, rows, self.unit);
+            let rest = match &deformation {
+                Some(columns) => Rest::Deformation(columns.predicted(range.clone(), self.elapsed)),
+                None if self.besides == Besides::Density => Rest::Density(density),
+                None => Rest::Nothing,
+            };
+            let kernel_scale = kernel_scale.as_ref().map_or([1.0; WIDTH], |column| of(column, 1.0));
+            R::pack(&RowState { flow, kernel_scale, rest }, rows, self.unit);
         }
-        growth.to_array().into_iter().fold(0.0, f64::max)
-    }
-
-    /// The second rows of a chunk, or the second part of its rows of single precision.
-    fn evaluate_second<R: SecondPart>(&self, chunk: &Chunk) {
-        match &self.second {
-            Some(SecondRow::Deformation(fields)) => fields.pack::<R>(chunk, self.elapsed, self.unit),
-            Some(SecondRow::Density(scale)) => {
-                let (density, scale, mut rows) = (chunk.read(self.density), chunk.read(*scale), chunk.rows());
-                for ((row, density), scale) in R::of(&mut rows).iter_mut().zip(&*density).zip(&*scale) {
-                    row.set_density(*density, *scale);
-                }
-            }
-            None => {}
-        }
+        2.0 * self.packing.theta * growth.to_array().into_iter().fold(0.0, f64::max)
     }
 
     /// The rows of images.
     fn mirror(&self, world: &mut World) {
         let particles = world.store.len();
         let (images, domain, unit) = (world.neighbours.images(), &self.packing.domain, self.unit);
-        if self.precision == Precision::Mixed {
-            let (own, copies) = world.rows.single.split_at_mut(particles);
-            parallel::for_chunks(images.len(), (images, copies), |_, (images, copies)| {
-                for (image, copy) in images.iter().zip(copies) {
-                    *copy = image_of_single(image, domain, unit, &own[image.source as usize]);
-                }
-            });
-            return;
-        }
-        let (own, copies) = world.rows.first.split_at_mut(particles);
-        parallel::for_chunks(images.len(), (images, copies), |_, (images, copies)| {
-            for (image, copy) in images.iter().zip(copies) {
-                *copy = image_of_first(image, domain, &own[image.source as usize]);
-            }
-        });
-        if self.second.is_some() {
-            let (own, copies) = world.rows.second.split_at_mut(particles);
-            parallel::for_chunks(images.len(), (images, copies), |_, (images, copies)| {
-                for (image, copy) in images.iter().zip(copies) {
-                    *copy = image_of_second(image, &own[image.source as usize]);
-                }
-            });
+        let deforms = self.besides == Besides::Deformation;
+        match self.precision {
+            Precision::Double => copy_rows(images, &mut world.rows.double, particles, |image, row| {
+                image_of_double(image, domain, deforms, row)
+            }),
+            Precision::Mixed => copy_rows(images, &mut world.rows.single, particles, |image, row| {
+                image_of_single(image, domain, unit, row)
+            }),
         }
     }
 }
 
-impl SecondRow {
-    fn new(wiring: &mut Wiring, second: Second) -> Option<Self> {
-        match second {
-            Second::Nothing => None,
-            Second::Deformation => Some(SecondRow::Deformation(DeformationFields::new(wiring))),
-            Second::Density => Some(SecondRow::Density(wiring.read(&fields::KERNEL_SCALE))),
+/// Writes the rows of images behind those of the particles.
+fn copy_rows<R: Send + Sync>(
+    images: &[Image],
+    rows: &mut [R],
+    particles: usize,
+    copy: impl Fn(&Image, &R) -> R + Sync,
+) {
+    let (own, copies) = rows.split_at_mut(particles);
+    parallel::for_chunks(images.len(), (images, copies), |_, (images, copies)| {
+        for (image, row) in images.iter().zip(copies) {
+            *row = copy(image, &own[image.source as usize]);
         }
-    }
+    });
 }
 
 impl DeformationFields {
@@ -271,30 +259,33 @@ impl DeformationFields {
         DeformationFields {
             deformation: deformation.map(|field| wiring.read(field)),
             change: change.map(|field| wiring.read(field)),
-            kernel_scale: wiring.read(&fields::KERNEL_SCALE),
         }
     }
 
+    fn columns<'a>(&self, chunk: &'a Chunk) -> DeformationColumns<'a> {
+        DeformationColumns {
+            deformation: self.deformation.map(|field| chunk.read(field)),
+            change: self.change.map(|field| chunk.read(field)),
+        }
+    }
+}
+
+/// Those of a chunk.
+struct DeformationColumns<'a> {
+    deformation: [Ref<'a, [f64]>; 3],
+    change: [Ref<'a, [f64]>; 3],
+}
+
+impl DeformationColumns<'_> {
     /// G^n = g^{n-1} + h s: the gradient of the step before, moved on by h to the present time
     /// (method.md, section 10, "One traversal a step").
-    fn pack<R: SecondPart>(&self, chunk: &Chunk, elapsed: f64, unit: f64) {
-        let [rr, shear, zz] = self.deformation.map(|field| chunk.read(field));
-        let [change_rr, change_shear, change_zz] = self.change.map(|field| chunk.read(field));
-        let scale = chunk.read(self.kernel_scale);
-        let mut rows = chunk.rows();
-        let rows = R::of(&mut rows);
-        let len = rows.len();
-        let (rr, shear, zz, scale) = (&rr[..len], &shear[..len], &zz[..len], &scale[..len]);
-        let change = (&change_rr[..len], &change_shear[..len], &change_zz[..len]);
-        for i in 0..len {
-            let deformation = Deformation {
-                rr: rr[i] + elapsed * change.0[i],
-                shear: shear[i] + elapsed * change.1[i],
-                zz: zz[i] + elapsed * change.2[i],
-                kernel_scale: scale[i],
-            };
-            rows[i].set_deformation(&deformation, unit);
-        }
+    #[inline(always)]
+    fn predicted(&self, range: Range<usize>, elapsed: f64) -> Deformation<[f64; WIDTH]> {
+        let component = |c: usize| {
+            let of = |column: &[f64]| Lanes::load_or(&column[range.clone()], 0.0);
+            Lanes::splat(elapsed).mul_add(of(&self.change[c]), of(&self.deformation[c])).to_array()
+        };
+        Deformation { rr: component(0), shear: component(1), zz: component(2) }
     }
 }
 
@@ -314,7 +305,7 @@ impl<E: EquationOfState> ChunkStage for State<E> {
     fn prepare(&mut self, world: &mut World) -> Result<(), Fault> {
         let (particles, images) = (world.store.len(), world.neighbours.images().len());
         match self.precision {
-            Precision::Double => world.rows.resize(particles, images, self.second.is_some()),
+            Precision::Double => world.rows.resize(particles, images),
             Precision::Mixed => world.rows.resize_single(particles, images),
         }
         world.rows.unit = self.unit;
@@ -329,16 +320,8 @@ impl<E: EquationOfState> ChunkStage for State<E> {
     /// By how much any reach has grown since the step before, m.
     fn chunk(&self, _: &Around, chunk: &Chunk) -> Partial {
         let growth = match self.precision {
-            Precision::Double => {
-                let growth = self.evaluate::<Row>(chunk);
-                self.evaluate_second::<HalfRow>(chunk);
-                growth
-            }
-            Precision::Mixed => {
-                let growth = self.evaluate::<SingleRow>(chunk);
-                self.evaluate_second::<SingleRow>(chunk);
-                growth
-            }
+            Precision::Double => self.evaluate::<Row>(chunk),
+            Precision::Mixed => self.evaluate::<SingleRow>(chunk),
         };
         [growth, 0.0]
     }

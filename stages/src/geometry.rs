@@ -12,6 +12,24 @@ pub struct AxisState<T: Scalar = f64> {
     pub far: Lanes<T>,
 }
 
+/// How far particles see each other (method.md, section 1).
+#[derive(Clone, Copy, Debug)]
+pub struct Support {
+    /// Smoothing length parameter.
+    pub theta: f64,
+    /// Largest particle size for which the support grows, in the rows' unit of length.
+    pub largest_size: f64,
+}
+
+impl Support {
+    /// H_ab = 2 theta (D_a + D_b).
+    #[inline(always)]
+    pub fn of_pair<T: Scalar>(self, size_a: Lanes<T>, size_b: Lanes<T>) -> Lanes<T> {
+        let largest = Lanes::splat(self.largest_size);
+        Lanes::splat(2.0 * self.theta) * (size_a.min(largest) + size_b.min(largest))
+    }
+}
+
 /// How a pair is weighted and which hoop terms a particle has.
 pub trait Geometry: Copy + Send + Sync {
     /// Floating-point operations of [`Geometry::factor`], counted as a pair term's.
@@ -48,6 +66,8 @@ pub struct NearAxisParshikov {
     pub origin: f64,
     /// K.
     pub axis_factor: f64,
+    /// That of pairs.
+    pub support: Support,
 }
 
 /// Parshikov's scheme for all particles (equations (8) to (10)).
@@ -89,11 +109,12 @@ impl Geometry for HarmonicMean {
 impl Geometry for NearAxisParshikov {
     const OPERATIONS: u64 = 3;
 
-    /// Far is R_a > K h; h = 2 theta D_a is the record's reach.
+    /// Far is R_a > K h, h that of a pair of equals.
     #[inline(always)]
     fn prepare<R: FlowState>(&self, a: &R) -> AxisState<R::Scalar> {
         let radius = a.radius(self.origin);
-        let near = Lanes::splat(self.axis_factor) * a.flow().reach;
+        let size = a.flow().size;
+        let near = Lanes::splat(0.5 * self.axis_factor) * self.support.of_pair(size, size);
         axis_state(self.origin, a, radius.select_greater(near, Lanes::ONE, Lanes::ZERO))
     }
     #[inline(always)]

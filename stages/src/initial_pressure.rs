@@ -54,7 +54,7 @@ impl<E: EquationOfState> Stage for InitialPressure<E> {
         let store = &world.store;
         let [r, z] = self.position.map(|field| store.read(field));
         let packed = PackedState(&world.rows);
-        let reach = |i: usize| packed.reach(i);
+        let reach = |i: usize| self.packing.reach(packed.size(i));
         let component = components(&world.neighbours, &self.packing.domain, [&r, &z], reach, &world.arena);
         let (mass, surface) = (store.read(self.mass), store.read(self.surface));
         let laplace = store.read(self.laplace_pressure);

@@ -1,6 +1,6 @@
 //! What a flux pass knows of a particle: the packed record and its slots.
 
-use meniscus_engine::lanes::{Lanes, Places, Scalar, Slots, WIDTH};
+use meniscus_engine::lanes::{Lanes, Places, Scalar, Slots};
 use meniscus_engine::pairs::Record;
 
 /// The precision of pair sums.
@@ -19,21 +19,21 @@ pub struct Flow<T, P = T> {
     pub r: P,
     /// Axial coordinate, m.
     pub z: P,
-    /// Half the support radius of a pair of equals, 2 theta D, m.
-    pub reach: T,
-    /// Area V = m/(2 pi r rho), m2.
-    pub area: T,
+    /// Size D, the root of the area V = m/(2 pi r rho), m.
+    pub size: T,
     /// Radial velocity, m/s.
     pub velocity_r: T,
     /// Axial velocity, m/s.
     pub velocity_z: T,
     /// Pressure less the reference pressure, Pa.
     pub pressure: T,
-    /// Acoustic impedance rho C, kg/(m2 s).
+    /// Acoustic impedance rho C, kg/(m2 s), of which six digits are kept. It weighs the states of a contact, and the
+    /// same for both particles.
     pub impedance: T,
 }
 
-/// Rate of deformation and kernel scale: the second row, where the flux needs it.
+/// The rate of deformation from which velocities are reconstructed, of which three digits are kept: what the limiter makes of the
+/// rest is a thousandth of the jump that a flow without a reconstruction has, now of one sign, now of the other.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Deformation<T> {
     /// d U_r/d r, 1/s.
@@ -42,29 +42,28 @@ pub struct Deformation<T> {
     pub shear: T,
     /// d U_z/d z, 1/s.
     pub zz: T,
-    /// Factor of the kernel gradient.
-    pub kernel_scale: T,
 }
 
 /// A flow state in lanes.
 pub type FlowLanes<T> = Flow<Lanes<T>, Places<T>>;
 
-/// A record of one row: the flow state alone.
+/// A record of the flow state alone.
 #[derive(Clone, Copy, Debug)]
 pub struct FlowRecord {
     flow: FlowLanes<f64>,
     coordinate: Lanes,
 }
 
-/// A record of a row and a half: flow state, rate of deformation and kernel scale.
+/// A record of flow state, kernel scale and rate of deformation.
 #[derive(Clone, Copy, Debug)]
 pub struct DeformationRecord<T: Scalar = f64> {
     flow: FlowLanes<T>,
+    kernel_scale: Lanes<T>,
     deformation: Deformation<Lanes<T>>,
     coordinate: Lanes<T>,
 }
 
-/// A record of a row and a half: flow state, density and kernel scale.
+/// A record of flow state, kernel scale and density.
 #[derive(Clone, Copy, Debug)]
 pub struct ShockRecord<T: Scalar = f64> {
     flow: FlowLanes<T>,
@@ -104,10 +103,9 @@ pub trait DeformationState: FlowState {
 
 impl Record for FlowRecord {
     type Scalar = f64;
-    const SECOND: bool = false;
     #[inline(always)]
     fn from_slots(slots: Slots) -> Self {
-        FlowRecord { flow: Flow::of_slots(slots.first), coordinate: slots.coordinate }
+        FlowRecord { flow: Flow::of_slots(&slots), coordinate: slots.coordinate }
     }
 }
 
@@ -128,13 +126,13 @@ impl FlowState for FlowRecord {
 
 impl<T: Scalar> Record for DeformationRecord<T> {
     type Scalar = T;
-    const SECOND: bool = true;
     #[inline(always)]
     fn from_slots(slots: Slots<T>) -> Self {
-        let [rr, shear, zz, kernel_scale] = slots.second;
+        let [rr, shear, zz] = slots.thirds;
         DeformationRecord {
-            flow: Flow::of_slots(slots.first),
-            deformation: Deformation { rr, shear, zz, kernel_scale },
+            flow: Flow::of_slots(&slots),
+            kernel_scale: slots.halves[1],
+            deformation: Deformation { rr, shear, zz },
             coordinate: slots.coordinate,
         }
     }
@@ -147,7 +145,7 @@ impl<T: Scalar> FlowState for DeformationRecord<T> {
     }
     #[inline(always)]
     fn kernel_scale(&self) -> Lanes<T> {
-        self.deformation.kernel_scale
+        self.kernel_scale
     }
     #[inline(always)]
     fn coordinate(&self) -> Lanes<T> {
@@ -157,13 +155,12 @@ impl<T: Scalar> FlowState for DeformationRecord<T> {
 
 impl<T: Scalar> Record for ShockRecord<T> {
     type Scalar = T;
-    const SECOND: bool = true;
     #[inline(always)]
     fn from_slots(slots: Slots<T>) -> Self {
         ShockRecord {
-            flow: Flow::of_slots(slots.first),
-            density: slots.second[0],
-            kernel_scale: slots.second[3],
+            flow: Flow::of_slots(&slots),
+            density: slots.last,
+            kernel_scale: slots.halves[1],
             coordinate: slots.coordinate,
         }
     }
@@ -193,8 +190,9 @@ impl<T: Scalar> DeformationState for DeformationRecord<T> {
 
 impl<T: Scalar> FlowLanes<T> {
     #[inline(always)]
-    fn of_slots([r, z, reach, area, velocity_r, velocity_z, pressure, impedance]: [Lanes<T>; WIDTH]) -> Self {
+    fn of_slots(slots: &Slots<T>) -> Self {
+        let ([r, z, size, velocity_r, velocity_z, pressure], [impedance, _]) = (slots.whole, slots.halves);
         let (r, z) = (Places::of_slot(r), Places::of_slot(z));
-        Flow { r, z, reach, area, velocity_r, velocity_z, pressure, impedance }
+        Flow { r, z, size, velocity_r, velocity_z, pressure, impedance }
     }
 }

@@ -2,43 +2,60 @@
 
 use crate::record::{Deformation, Flow};
 use meniscus_engine::domain::{Domain, Image};
-use meniscus_engine::lanes::{COORDINATE, HalfRow, Lanes, Row, RowPart, RowTable, SingleRow, WIDTH, place};
+use meniscus_engine::lanes::{
+    COORDINATE, Lanes, Row, RowPart, RowTable, SingleRow, THIRDS, WIDTH, place, with_second_third_turned,
+};
 
-/// A row that takes up flow states.
-pub trait FirstPart: Send + Sized {
+/// What rows hold of eight particles.
+pub struct RowState {
+    /// What every flux needs.
+    pub flow: Flow<[f64; WIDTH]>,
+    /// Factors of the kernel gradient.
+    pub kernel_scale: [f64; WIDTH],
+    /// What only some need.
+    pub rest: Rest,
+}
+
+/// What a row holds besides the flow state and the kernel scale.
+pub enum Rest {
+    /// Nothing.
+    Nothing,
+    /// The rate of deformation.
+    Deformation(Deformation<[f64; WIDTH]>),
+    /// Density, kg/m3.
+    Density([f64; WIDTH]),
+}
+
+/// A row that takes up states.
+pub trait StateRow: Send + Sized {
     /// The rows of that kind.
     fn of<'a>(rows: &'a mut RowPart<'_>) -> &'a mut [Self];
 
     /// Turns the states of eight particles into as many rows as are asked for, with `unit` metres as the unit
     /// of length in single precision.
-    fn pack(flow: &Flow<[f64; WIDTH]>, rows: &mut [Self], unit: f64);
+    fn pack(state: &RowState, rows: &mut [Self], unit: f64);
 
-    /// No more than the reach, m, that was packed.
-    fn least_reach(&self, unit: f64) -> f64;
+    /// No more than the size, m, that was packed.
+    fn least_size(&self, unit: f64) -> f64;
 }
 
-/// A row that takes up what follows the flow state.
-pub trait SecondPart: Send + Sized {
-    /// The rows of that kind.
-    fn of<'a>(rows: &'a mut RowPart<'_>) -> &'a mut [Self];
-
-    /// Takes up rate of deformation and kernel scale, with `unit` metres as the unit of length in single
-    /// precision.
-    fn set_deformation(&mut self, deformation: &Deformation<f64>, unit: f64);
-
-    /// Takes up density in kg/m3 and kernel scale.
-    fn set_density(&mut self, density: f64, kernel_scale: f64);
-}
-
-impl FirstPart for Row {
+impl StateRow for Row {
     fn of<'a>(rows: &'a mut RowPart<'_>) -> &'a mut [Row] {
-        rows.first
+        rows.double
     }
 
     #[inline(always)]
-    fn pack(flow: &Flow<[f64; WIDTH]>, rows: &mut [Row], _: f64) {
-        let Flow { r, z, reach, area, velocity_r, velocity_z, pressure, impedance } = *flow;
-        let slots = [r, z, reach, area, velocity_r, velocity_z, pressure, impedance].map(Row);
+    fn pack(RowState { flow, kernel_scale, rest }: &RowState, rows: &mut [Row], _: f64) {
+        let Flow { r, z, size, velocity_r, velocity_z, pressure, impedance } = *flow;
+        let shared = Lanes::of_halves([&impedance, kernel_scale].map(|eight| Lanes::load(eight))).to_array();
+        let last = match rest {
+            Rest::Nothing => [0.0; WIDTH],
+            Rest::Deformation(Deformation { rr, shear, zz }) => {
+                Lanes::of_thirds([rr, shear, zz].map(|eight| Lanes::load(eight))).to_array()
+            }
+            Rest::Density(density) => *density,
+        };
+        let slots = [r, z, size, velocity_r, velocity_z, pressure, shared, last].map(Row);
         let eight = Lanes::transpose(std::array::from_fn(|slot| &slots[slot]));
         for (row, lanes) in rows.iter_mut().zip(eight) {
             *row = Row(lanes.to_array());
@@ -46,145 +63,110 @@ impl FirstPart for Row {
     }
 
     #[inline(always)]
-    fn least_reach(&self, _: f64) -> f64 {
-        self.0[2]
+    fn least_size(&self, _: f64) -> f64 {
+        self.0[SIZE]
     }
 }
 
-impl FirstPart for SingleRow {
+impl StateRow for SingleRow {
     fn of<'a>(rows: &'a mut RowPart<'_>) -> &'a mut [SingleRow] {
         rows.single
     }
 
     #[inline(always)]
-    fn pack(flow: &Flow<[f64; WIDTH]>, rows: &mut [SingleRow], unit: f64) {
+    fn pack(RowState { flow, kernel_scale, rest }: &RowState, rows: &mut [SingleRow], unit: f64) {
         let inverse = 1.0 / unit;
         let single = |values: &[f64; WIDTH], factor: f64| values.map(|value| (value * factor) as f32);
-        let slots = [
+        let first = [
             flow.r.map(|r| place(r * inverse)),
             flow.z.map(|z| place(z * inverse)),
-            single(&flow.reach, inverse),
-            single(&flow.area, inverse * inverse),
+            single(&flow.size, inverse),
             single(&flow.velocity_r, 1.0),
             single(&flow.velocity_z, 1.0),
             single(&flow.pressure, 1.0),
             single(&flow.impedance, 1.0),
+            single(kernel_scale, 1.0),
         ];
-        SingleRow::set_first(rows, slots);
-        for (SingleRow(slots), r) in rows.iter_mut().zip(single(&flow.r, inverse)) {
-            slots[COORDINATE] = r;
+        SingleRow::set_first(rows, first);
+        let coordinates = single(&flow.r, inverse);
+        for (lane, SingleRow(slots)) in rows.iter_mut().enumerate() {
+            let rest = match rest {
+                Rest::Nothing => [0.0; 3],
+                Rest::Deformation(Deformation { rr, shear, zz }) => {
+                    [rr[lane] * unit, shear[lane] * unit, zz[lane] * unit]
+                }
+                Rest::Density(density) => [density[lane], 0.0, 0.0],
+            };
+            slots[THIRDS..THIRDS + 3].copy_from_slice(&rest.map(|value| value as f32));
+            slots[COORDINATE] = coordinates[lane];
         }
     }
 
     #[inline(always)]
-    fn least_reach(&self, unit: f64) -> f64 {
-        f64::from(self.0[2] * (1.0 - f32::EPSILON)) * unit
+    fn least_size(&self, unit: f64) -> f64 {
+        f64::from(self.0[SIZE] * (1.0 - f32::EPSILON)) * unit
     }
 }
 
-impl SecondPart for HalfRow {
-    fn of<'a>(rows: &'a mut RowPart<'_>) -> &'a mut [HalfRow] {
-        rows.second
-    }
-
-    #[inline(always)]
-    fn set_deformation(&mut self, deformation: &Deformation<f64>, _: f64) {
-        let Deformation { rr, shear, zz, kernel_scale } = *deformation;
-        *self = HalfRow([rr, shear, zz, kernel_scale]);
-    }
-
-    #[inline(always)]
-    fn set_density(&mut self, density: f64, kernel_scale: f64) {
-        *self = HalfRow([density, 0.0, 0.0, kernel_scale]);
-    }
-}
-
-impl SecondPart for SingleRow {
-    fn of<'a>(rows: &'a mut RowPart<'_>) -> &'a mut [SingleRow] {
-        rows.single
-    }
-
-    #[inline(always)]
-    fn set_deformation(&mut self, deformation: &Deformation<f64>, unit: f64) {
-        let Deformation { rr, shear, zz, kernel_scale } = *deformation;
-        let second = [rr * unit, shear * unit, zz * unit, kernel_scale];
-        self.0[WIDTH..COORDINATE].copy_from_slice(&second.map(|value| value as f32));
-    }
-
-    #[inline(always)]
-    fn set_density(&mut self, density: f64, kernel_scale: f64) {
-        self.0[WIDTH..COORDINATE].copy_from_slice(&[density as f32, 0.0, 0.0, kernel_scale as f32]);
-    }
-}
+/// The slots of size and pressure.
+const SIZE: usize = 2;
+const PRESSURE: usize = 5;
 
 /// What the rows tell of particles as they are at the beginning of the step: no columns hold it.
 #[derive(Clone, Copy, Debug)]
 pub struct PackedState<'a>(pub &'a RowTable);
 
 impl PackedState<'_> {
-    /// Half the support radius of a pair of equals, m.
+    /// Size D, m.
     #[inline(always)]
-    pub fn reach(self, particle: usize) -> f64 {
-        let [_, _, reach, ..] = self.slots(particle);
-        reach * self.unit()
+    pub fn size(self, particle: usize) -> f64 {
+        match self.0.double.get(particle) {
+            Some(Row(slots)) => slots[SIZE],
+            None => f64::from(self.0.single[particle].0[SIZE]) * self.0.unit,
+        }
     }
 
-    /// Area, m2.
+    /// Area, the square of the size, m2.
     #[inline(always)]
     pub fn area(self, particle: usize) -> f64 {
-        let [_, _, _, area, ..] = self.slots(particle);
-        area * (self.unit() * self.unit())
+        let size = self.size(particle);
+        size * size
     }
 
     /// The areas of the eight particles from `first` on, m2.
     #[inline(always)]
     pub fn areas(self, first: usize) -> Lanes {
-        match self.0.first.get(first..first + WIDTH) {
-            Some(rows) => Lanes::load(&std::array::from_fn::<f64, WIDTH, _>(|lane| rows[lane].0[3])),
-            None => Lanes::load(&std::array::from_fn::<f64, WIDTH, _>(|lane| self.area(first + lane))),
-        }
-    }
-
-    /// D, the root of the area, m.
-    #[inline(always)]
-    pub fn size(self, particle: usize) -> f64 {
-        self.area(particle).sqrt()
+        let sizes = match self.0.double.get(first..first + WIDTH) {
+            Some(rows) => std::array::from_fn::<f64, WIDTH, _>(|lane| rows[lane].0[SIZE]),
+            None => std::array::from_fn(|lane| self.size(first + lane)),
+        };
+        let sizes = Lanes::load(&sizes);
+        sizes * sizes
     }
 
     /// Pressure less the reference pressure, Pa.
     #[inline(always)]
     pub fn pressure(self, particle: usize) -> f64 {
-        let [.., pressure, _] = self.slots(particle);
-        pressure
-    }
-
-    #[inline(always)]
-    fn slots(self, particle: usize) -> [f64; WIDTH] {
-        match self.0.first.get(particle) {
-            Some(Row(slots)) => *slots,
-            None => std::array::from_fn(|slot| f64::from(self.0.single[particle].0[slot])),
+        match self.0.double.get(particle) {
+            Some(Row(slots)) => slots[PRESSURE],
+            None => f64::from(self.0.single[particle].0[PRESSURE]),
         }
     }
+}
 
-    /// In double precision the unit is the metre.
-    #[inline(always)]
-    fn unit(self) -> f64 {
-        if self.0.single.is_empty() { 1.0 } else { self.0.unit }
+/// The row of an image from that of its particle (method.md, section 4): a mirror turns the radial velocity and
+/// the shear, if the row `deforms`.
+pub fn image_of_double(image: &Image, domain: &Domain, deforms: bool, Row(slots): &Row) -> Row {
+    let mut slots = *slots;
+    let (r, z) = domain.place(image, slots[0], slots[1]);
+    slots[..2].copy_from_slice(&[r, z]);
+    if image.mirrored {
+        slots[3] = -slots[3];
+        if deforms {
+            slots[7] = with_second_third_turned(slots[7]);
+        }
     }
-}
-
-/// The first row of an image from that of its particle (method.md, section 4).
-pub fn image_of_first(image: &Image, domain: &Domain, Row(slots): &Row) -> Row {
-    let [r, z, reach, area, velocity_r, velocity_z, pressure, impedance] = *slots;
-    let (r, z) = domain.place(image, r, z);
-    let velocity_r = if image.mirrored { -velocity_r } else { velocity_r };
-    Row([r, z, reach, area, velocity_r, velocity_z, pressure, impedance])
-}
-
-/// The second row of an image from that of its particle: a mirror changes the sign of the shear, whose slot
-/// a row without one leaves zero.
-pub fn image_of_second(image: &Image, HalfRow([rr, shear, zz, kernel_scale]): &HalfRow) -> HalfRow {
-    HalfRow([*rr, if image.mirrored { -shear } else { *shear }, *zz, *kernel_scale])
+    Row(slots)
 }
 
 /// The row of an image in single precision, with `unit` metres as the unit of length.
@@ -197,8 +179,8 @@ pub fn image_of_single(image: &Image, domain: &Domain, unit: f64, SingleRow(slot
         slots[0] = moved(slots[0].to_bits().wrapping_neg(), mirror);
         slots[COORDINATE] = (mirror / unit) as f32 - slots[COORDINATE];
         // The radial velocity and the shear.
-        slots[4] = -slots[4];
-        slots[9] = -slots[9];
+        slots[3] = -slots[3];
+        slots[THIRDS + 1] = -slots[THIRDS + 1];
     }
     SingleRow(slots)
 }
@@ -211,28 +193,21 @@ mod tests {
     fn rows_tell_sizes_and_pressures() {
         let unit = 0.25;
         let of = |of: fn(f64) -> f64| std::array::from_fn(|lane| of(lane as f64));
-        let flow = Flow {
-            reach: of(|k| 1.1 + k),
-            area: of(|k| 2.0 + k),
-            pressure: of(|k| 3.0 - k),
-            ..Flow::default()
-        };
-        let mut double = RowTable { first: vec![Row::default(); WIDTH], ..RowTable::default() };
-        Row::pack(&flow, &mut double.first, unit);
+        let flow = Flow { size: of(|k| 1.1 + k), pressure: of(|k| 3.0 - k), ..Flow::default() };
+        let state = RowState { flow, kernel_scale: [1.0; WIDTH], rest: Rest::Nothing };
+        let mut double = RowTable { double: vec![Row::default(); WIDTH], ..RowTable::default() };
+        Row::pack(&state, &mut double.double, unit);
         let mut mixed = RowTable { single: vec![SingleRow::default(); WIDTH], unit, ..RowTable::default() };
-        SingleRow::pack(&flow, &mut mixed.single, unit);
+        SingleRow::pack(&state, &mut mixed.single, unit);
         for k in 0..WIDTH {
             for packed in [PackedState(&double), PackedState(&mixed)] {
                 let close =
                     |found: f64, expected: f64| (found - expected).abs() < 1e-6 * expected.abs().max(1.0);
-                assert!(close(packed.reach(k), flow.reach[k]) && close(packed.area(k), flow.area[k]));
+                assert!(close(packed.size(k), flow.size[k]) && close(packed.pressure(k), flow.pressure[k]));
                 assert_eq!(packed.areas(0).to_array()[k], packed.area(k));
-                assert!(
-                    close(packed.size(k), flow.area[k].sqrt()) && close(packed.pressure(k), flow.pressure[k])
-                );
             }
-            assert_eq!(double.first[k].least_reach(unit), flow.reach[k]);
-            assert!(mixed.single[k].least_reach(unit) <= flow.reach[k], "whatever was rounded");
+            assert_eq!(double.double[k].least_size(unit), flow.size[k]);
+            assert!(mixed.single[k].least_size(unit) <= flow.size[k], "whatever was rounded");
         }
     }
 }

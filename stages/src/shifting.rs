@@ -5,6 +5,7 @@ use crate::integrate::CLOSED;
 use crate::moment::Moment;
 use crate::rows::PackedState;
 use crate::surface::BOUNDARY;
+use meniscus_engine::clock::Clock;
 use meniscus_engine::field::Field;
 use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
 use meniscus_engine::lanes::{Lanes, WIDTH};
@@ -37,6 +38,8 @@ const GENTLE: f64 = 0.03;
 pub struct Strength {
     /// Coefficient, 1 to 5.
     pub coefficient: f64,
+    /// Steps from one shift to the next, which is as far as one in each of them would take the particles.
+    pub interval: u64,
     /// Greatest speed that scales the shift, m/s.
     pub speed: f64,
     /// The scene's slowest rate of deformation that matters, 1/s: one over its capillary time.
@@ -214,6 +217,10 @@ impl Neighbourhoods<'_> {
 }
 
 impl Shifting {
+    fn is_due_at(&self, clock: &Clock) -> bool {
+        clock.step.is_multiple_of(self.strength.interval)
+    }
+
     /// The shift of a particle at a distance from the axis that needs some part of its full strength, in m.
     fn shift(
         &self,
@@ -232,18 +239,19 @@ impl Shifting {
             }
             None => greatest,
         };
-        let factor = needed * coefficient * speed * columns.step_size * support;
+        let factor = needed * coefficient * speed * columns.duration * support;
         let [crowding_r, crowding_z] = &columns.crowding;
         let shift = [-factor * crowding_r[k], -factor * crowding_z[k]];
         let outward = [columns.weight[0][k], columns.weight[1][k]];
         let at_boundary = neighbourhoods.surface[k] == BOUNDARY;
         let shift = if at_boundary { along_surface(shift, outward) } else { shift };
+        let farthest = columns.farthest * size;
         let length = (shift[0] * shift[0] + shift[1] * shift[1]).sqrt();
-        let keep = if length > CAP * size { CAP * size / length } else { 1.0 };
+        let keep = if length > farthest { farthest / length } else { 1.0 };
         // A shift must not carry a particle to the axis.
         let room = (radius - CLOSED * size).max(0.0);
-        let stuck = ramp(radius / size, STUCK) * LOOSENING * greatest * columns.step_size;
-        let out = if stuck > 0.0 { (keep * shift[0]).max(stuck.min(CAP * size)) } else { keep * shift[0] };
+        let stuck = ramp(radius / size, STUCK) * LOOSENING * greatest * columns.duration;
+        let out = if stuck > 0.0 { (keep * shift[0]).max(stuck.min(farthest)) } else { keep * shift[0] };
         [out.max(-0.5 * room), keep * shift[1]]
     }
 }
@@ -253,7 +261,10 @@ struct Columns<'a> {
     crowding: [Ref<'a, [f64]>; 2],
     deformation: Option<[Ref<'a, [f64]>; 3]>,
     weight: [Ref<'a, [f64]>; 2],
-    step_size: f64,
+    /// s
+    duration: f64,
+    /// In particle sizes.
+    farthest: f64,
 }
 
 impl ChunkStage for Shifting {
@@ -263,8 +274,12 @@ impl ChunkStage for Shifting {
 
     /// What shifts bring of momentum where all shift, else how far, m, any particle was shifted.
     fn chunk(&self, around: &Around, chunk: &Chunk) -> Partial {
-        // As far as particles shift in a step, one is as long as the one before.
-        let step_size = around.clock.previous_step_size;
+        if !self.is_due_at(around.clock) {
+            return Partial::default();
+        }
+        let Strength { origin, everywhere, interval, .. } = self.strength;
+        // As far as particles shift, a step is as long as the one before.
+        let duration = interval as f64 * around.clock.previous_step_size;
         let neighbourhoods = Neighbourhoods {
             packed: PackedState(around.rows),
             start: chunk.start,
@@ -275,10 +290,10 @@ impl ChunkStage for Shifting {
             crowding: self.crowding.map(|field| chunk.read(field)),
             deformation: self.deformation.map(|fields| fields.map(|field| chunk.read(field))),
             weight: self.weight.map(|field| chunk.read(field)),
-            step_size,
+            duration,
+            farthest: CAP * interval as f64,
         };
         let [mut r, mut z] = self.position.map(|field| chunk.write(field));
-        let Strength { origin, everywhere, .. } = self.strength;
         if everywhere {
             let mut shift = |k: usize| {
                 let shift = self.shift(&columns, &neighbourhoods, k, (r[k] + origin, 1.0));
@@ -321,6 +336,9 @@ impl ChunkStage for Shifting {
     }
 
     fn finish(&mut self, world: &mut World, found: Partial) -> Result<(), Fault> {
+        if !self.is_due_at(&world.clock) {
+            return Ok(());
+        }
         // Where all shift nobody knows how far.
         world.neighbours.note_motion(if self.strength.everywhere { f64::INFINITY } else { found[0] });
         if let Some(carrying) = &self.carrying {

@@ -109,7 +109,7 @@ impl SizeEvening {
 
     /// Finds what they gain if `part` of the differences is exchanged.
     fn find_gains(&mut self, world: &World, part: f64) {
-        let Packing { theta, largest_size, domain } = self.packing;
+        let domain = &self.packing.domain;
         let packed = PackedState(&world.rows);
         let [r, z] = self.position.map(|field| world.store.write(field));
         let mass = world.store.write(self.mass);
@@ -132,8 +132,7 @@ impl SizeEvening {
                     None => (r[b], z[b]),
                 };
                 let (dr, dz) = (r_b - r[a], z_b - z[a]);
-                let support =
-                    2.0 * theta * (packed.size(a).min(largest_size) + packed.size(b).min(largest_size));
+                let support = self.packing.reach(packed.size(a)) + self.packing.reach(packed.size(b));
                 let inside = (1.0 - (dr * dr + dz * dz).sqrt() / support).max(0.0);
                 let both = 2.0 * mass[a] * mass[b] / (mass[a] + mass[b]);
                 let given = part * inside / NEIGHBOURS * both * excess;

@@ -125,7 +125,7 @@ impl SortBin {
             list_r.copy_from_slice(&r);
             list_z.copy_from_slice(&z);
             for (i, reach) in list_reach.iter_mut().enumerate() {
-                *reach = self.packing.reach(r[i], density[i], mass[i]) + 0.5 * skin;
+                *reach = self.packing.reach(self.packing.size(r[i], density[i], mass[i])) + 0.5 * skin;
             }
             let cell = parallel::maximum(r.len(), |i| list_reach[i]);
             morton::order(&r, &z, cell, WINDOW, &mut memory)

@@ -111,13 +111,13 @@ pub fn block([rows, columns]: [usize; 2], start: f64, disorder: f64, random: &mu
     particles
 }
 
-/// Gives particles velocities, densities, masses and gradients at random.
+/// Gives particles velocities, densities, masses and gradients at random, these of few bits, as contacts know them.
 pub fn stir(particles: &mut [Particle], random: &mut Random) {
     for particle in particles {
         particle.velocity = [random.draw(), random.draw()];
         particle.density *= 1.0 + 0.01 * random.draw();
         particle.mass *= 1.0 + 0.3 * random.draw();
-        particle.gradient = [(); 2].map(|()| [(); 2].map(|()| random.draw() / SIZE));
+        particle.gradient = [(); 2].map(|()| [(); 2].map(|()| (16.0 * random.draw()).round() * 65536.0));
     }
 }
 

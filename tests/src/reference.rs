@@ -115,9 +115,9 @@ impl Medium {
         self.sound_speed.powi(2) * (a.density - self.rest_density) - a.reference_pressure
     }
 
-    /// Z = rho C.
+    /// Z = rho C, as contacts know it: with 21 bits.
     pub fn impedance(&self, a: &Particle) -> f64 {
-        a.density * self.sound_speed
+        rounded(a.density * self.sound_speed, 21)
     }
 
     /// Whether a particle is treated by Parshikov's scheme.
@@ -267,6 +267,12 @@ struct Star {
     pressure: f64,
     resistance: f64,
     velocity: f64,
+}
+
+/// The nearest number of so many bits.
+pub fn rounded(number: f64, bits: i32) -> f64 {
+    let last = (number.abs().log2().floor() as i32 + 1 - bits) as f64;
+    (number / last.exp2()).round() * last.exp2()
 }
 
 /// The harmonic mean where both have one sign, else zero.

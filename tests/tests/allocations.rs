@@ -88,18 +88,14 @@ fn memory(settings: &[&str]) -> (usize, usize) {
 
 /// A plan leaves out what threads keep: a hundredth here, less in larger runs.
 fn plans_know_what_is_held() {
-    let [double, mixed, _] = [&[][..], &["method.precision=mixed"], &["paper=true"]].map(|settings| {
+    for settings in [&[][..], &["method.precision=mixed"], &["paper=true"]] {
         let (told, held) = memory(&[&["resolution=60"], settings].concat());
         println!("{settings:?}: {told} bytes are told, {held} are held");
         assert!(
             (0.98..=1.0).contains(&(told as f64 / held as f64)),
             "{settings:?}: {told} told, {held} held"
         );
-        (told, held)
-    });
-    // Rows of single precision have 64 bytes, not 96.
-    let [told, held] = [double.0 - mixed.0, double.1 - mixed.1].map(|saved| saved as f64);
-    assert!((told / held - 1.0).abs() < 0.05, "mixed precision saves {held} bytes, {told} are told");
+    }
 }
 
 // One test alone: the counts are the process's.

@@ -65,8 +65,8 @@ impl Builder<'_> {
     }
 
     fn state_of<E: EquationOfState + Clone>(&mut self, equation: E) -> [AnyStage; 2] {
-        let (second, precision) = (self.second_row(), self.physics.method.precision);
-        let anew = State::anew(&mut self.wiring, equation, self.packing, second, precision);
+        let (besides, precision) = (self.besides(), self.physics.method.precision);
+        let anew = State::anew(&mut self.wiring, equation, self.packing, besides, precision);
         [AnyStage::chunks(anew.clone()), AnyStage::chunks(anew.ahead(&mut self.wiring))]
     }
 
@@ -136,6 +136,7 @@ impl Builder<'_> {
     fn shift(&mut self) -> AnyStage {
         let strength = Strength {
             coefficient: self.shifting(),
+            interval: self.shifting_interval(),
             speed: self.physics.shifting_speed,
             rate: self.physics.capillary_rate,
             theta: self.physics.method.theta,

@@ -2,10 +2,10 @@
 
 use super::builder::Builder;
 use crate::scene::{
-    Curvature, FREE_SHIFTING, FREE_SHIFTING_THETA, Flux, Recoil, ReferencePressure, SHIFTING, TimeIntegration,
+    Curvature, FREE_SHIFTING, FREE_SHIFTING_THETA, Flux, Recoil, ReferencePressure, SHIFTING,
+    SHIFTING_INTERVAL, TimeIntegration,
 };
-use meniscus_stages::equation_of_state::Second;
-use meniscus_stages::record::Precision;
+use meniscus_stages::equation_of_state::Besides;
 
 impl Builder<'_> {
     pub(super) fn with_tension(&self) -> bool {
@@ -37,6 +37,12 @@ impl Builder<'_> {
             // It makes a plane shock in water a quarter worse, and costs two thirds more.
             (false, true) => 0.0,
         })
+    }
+
+    /// Steps from one shift to the next.
+    pub(super) fn shifting_interval(&self) -> u64 {
+        let default = if self.with_tension() { SHIFTING_INTERVAL } else { 1 };
+        self.physics.method.shifting_interval.unwrap_or(default)
     }
 
     /// Shifting must know the surface, too.
@@ -85,15 +91,16 @@ impl Builder<'_> {
         asked && self.with_energy() && !self.reconstructs()
     }
 
-    /// Rows of single precision have one length.
-    pub(super) fn second_row(&self) -> Second {
-        let method = &self.physics.method;
+    /// What the rows of the flux pass hold besides the flow state.
+    pub(super) fn besides(&self) -> Besides {
         if self.with_shocks() {
-            Second::Density
-        } else if self.with_gradient() || method.kernel_correction || method.precision == Precision::Mixed {
-            Second::Deformation
+            Besides::Density
+        } else if self.with_gradient() {
+            Besides::Deformation
+        } else if self.physics.method.kernel_correction {
+            Besides::KernelScale
         } else {
-            Second::Nothing
+            Besides::Nothing
         }
     }
 

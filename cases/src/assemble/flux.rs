@@ -6,18 +6,18 @@ use meniscus_engine::lanes::Packed;
 use meniscus_engine::pairs::{PairPass, PairTerm};
 use meniscus_engine::pipeline::AnyStage;
 use meniscus_stages::contact::{Contact, ContactProblem, FirstOrder, Limited, Reconstruction, Shock};
-use meniscus_stages::equation_of_state::Second;
+use meniscus_stages::equation_of_state::Besides;
 use meniscus_stages::geometry::{Geometry, HarmonicMean, NearAxisParshikov, Parshikov};
 use meniscus_stages::record::{DeformationRecord, FlowRecord, FlowState, Precision, ShockRecord};
 use meniscus_stages::terms::{
     Crowding, DensityRate, EnergyRate, GhostWeight, MomentMatrix, PressureRiemann, VelocitySum, Viscosity,
 };
 
-/// The sums of any liquid: flow, surface and gradient, motion and energy.
+/// The sums of any liquid: flow, surface and gradient, and energy.
 type Sums<G> = (
     (DensityRate<G>, PressureRiemann<G>),
     (Option<MomentMatrix>, Option<GhostWeight<G>>, Option<VelocitySum>),
-    (Option<Crowding>, Option<EnergyRate<G>>),
+    Option<EnergyRate<G>>,
 );
 
 impl Builder<'_> {
@@ -52,7 +52,8 @@ impl Builder<'_> {
                 Precision::Mixed => self.flux_with::<f32, _>(HarmonicMean { origin: origin / self.unit() }),
             },
             (_, AxisTreatment::Parshikov) => {
-                self.flux_with::<f64, _>(NearAxisParshikov { origin, axis_factor })
+                let support = self.packing.support(Precision::Double);
+                self.flux_with::<f64, _>(NearAxisParshikov { origin, axis_factor, support })
             }
         }
     }
@@ -66,14 +67,21 @@ impl Builder<'_> {
         // The return of the plain jump (method.md, section 10, "Coalescence, later", has 300/C for J_r itself).
         let limited =
             Limited { sharpness: 150.0 / self.physics.sound_speed.max(self.physics.shifting_speed) };
-        match (self.with_viscosity(), self.with_shocks(), self.reconstructs(), self.second_row()) {
+        match (self.with_viscosity(), self.with_shocks(), self.reconstructs(), self.besides()) {
             (true, _, true, _) => self.viscous::<T, _, _>(geometry, limited),
             (true, ..) => self.viscous::<T, _, _>(geometry, FirstOrder),
             (_, true, ..) => self.inviscid::<ShockRecord<T>, _, _>(geometry, shock),
             (_, _, true, _) => self.inviscid::<DeformationRecord<T>, _, _>(geometry, limited),
-            (.., Second::Deformation) => self.inviscid::<DeformationRecord<T>, _, _>(geometry, FirstOrder),
-            _ => self.plain(geometry),
+            (.., Besides::Nothing) if self.physics.method.precision == Precision::Double => {
+                self.plain(geometry)
+            }
+            _ => self.inviscid::<DeformationRecord<T>, _, _>(geometry, FirstOrder),
         }
+    }
+
+    fn problem<G, F>(&self, geometry: G, reconstruction: F) -> ContactProblem<G, F> {
+        let support = self.packing.support(self.physics.method.precision);
+        ContactProblem { geometry, support, reconstruction }
     }
 
     fn inviscid<R, G, F>(&mut self, geometry: G, reconstruction: F) -> AnyStage
@@ -82,20 +90,19 @@ impl Builder<'_> {
         G: Geometry + 'static,
         F: Reconstruction<R> + 'static,
     {
-        let unit = self.unit();
-        let problem = ContactProblem { geometry, reconstruction };
-        fused::<R, _, _>(problem, self.sums(geometry), unit)
+        let problem = self.problem(geometry, reconstruction);
+        let sums = self.sums(geometry);
+        self.fused::<R, _, _>(problem, sums)
     }
 
     /// With rows that hold nothing but the flow state. The paper's sums are fused without a question.
     fn plain<G: Geometry + 'static>(&mut self, geometry: G) -> AnyStage {
-        let unit = self.unit();
-        let problem = ContactProblem { geometry, reconstruction: FirstOrder };
+        let problem = self.problem(geometry, FirstOrder);
         match self.sums(geometry) {
-            (flow, (Some(moment), Some(weight), None), (None, None)) => {
-                pass::<FlowRecord, _, _, _>(problem, (flow, (moment, weight)), unit)
+            (flow, (Some(moment), Some(weight), None), None) if self.shifting() == 0.0 => {
+                self.pass::<FlowRecord, _, _, _, _>(problem, (flow, (moment, weight)), ())
             }
-            sums => fused::<FlowRecord, _, _>(problem, sums, unit),
+            sums => self.fused::<FlowRecord, _, _>(problem, sums),
         }
     }
 
@@ -108,8 +115,9 @@ impl Builder<'_> {
         let sums = self.sums(geometry);
         let (viscosity, with_energy) = (self.physics.viscosity, self.with_energy());
         let viscosity = Viscosity::new(&mut self.wiring, geometry, viscosity, with_energy);
-        let problem = ContactProblem { geometry, reconstruction };
-        pass::<DeformationRecord<T>, _, _, _>(problem, (sums, viscosity), self.unit())
+        let problem = self.problem(geometry, reconstruction);
+        let crowding = self.crowding();
+        self.pass::<DeformationRecord<T>, _, _, _, _>(problem, (sums, viscosity), crowding)
     }
 
     fn sums<G: Geometry>(&mut self, geometry: G) -> Sums<G> {
@@ -123,34 +131,41 @@ impl Builder<'_> {
             .then(|| MomentMatrix::new(&mut self.wiring));
         let weight = self.with_surface().then(|| GhostWeight::new(&mut self.wiring, geometry));
         let sum = self.with_gradient().then(|| VelocitySum::new(&mut self.wiring));
-        let theta = self.physics.method.theta;
-        let crowding = (self.shifting() > 0.0).then(|| Crowding::new(&mut self.wiring, theta));
         let energy = self.with_energy().then(|| EnergyRate::new(&mut self.wiring, geometry));
-        (flow, (moment, weight, sum), (crowding, energy))
+        (flow, (moment, weight, sum), energy)
     }
-}
 
-/// The sums of most scenes are fused without a question; the rest are options.
-fn fused<R, G, F>(problem: ContactProblem<G, F>, sums: Sums<G>, unit: f64) -> AnyStage
-where
-    R: FlowState<Scalar: Packed> + 'static,
-    G: Geometry + 'static,
-    F: Reconstruction<R> + 'static,
-{
-    match sums {
-        (flow, (Some(moment), Some(weight), Some(sum)), rest) => {
-            pass::<R, _, _, _>(problem, (flow, (moment, weight, sum), rest), unit)
+    /// Only steps that shift need it.
+    fn crowding(&mut self) -> Option<Crowding> {
+        let theta = self.physics.method.theta;
+        (self.shifting() > 0.0).then(|| Crowding::new(&mut self.wiring, theta))
+    }
+
+    /// The sums of most scenes are fused without a question; the rest are options.
+    fn fused<R, G, F>(&mut self, problem: ContactProblem<G, F>, sums: Sums<G>) -> AnyStage
+    where
+        R: FlowState<Scalar: Packed> + 'static,
+        G: Geometry + 'static,
+        F: Reconstruction<R> + 'static,
+    {
+        let crowding = self.crowding();
+        match sums {
+            (flow, (Some(moment), Some(weight), Some(sum)), energy) => {
+                self.pass::<R, _, _, _, _>(problem, (flow, (moment, weight, sum), energy), crowding)
+            }
+            sums => self.pass::<R, _, _, _, _>(problem, sums, crowding),
         }
-        sums => pass::<R, _, _, _>(problem, sums, unit),
     }
-}
 
-fn pass<R, G, F, T>(problem: ContactProblem<G, F>, terms: T, unit: f64) -> AnyStage
-where
-    R: FlowState<Scalar: Packed> + 'static,
-    G: Geometry + 'static,
-    F: Reconstruction<R> + 'static,
-    T: PairTerm<R, Contact<R::Scalar>> + 'static,
-{
-    AnyStage::chunks(PairPass::<R, _, _>::new("flux", problem, terms, unit))
+    fn pass<R, G, F, T, S>(&self, problem: ContactProblem<G, F>, terms: T, seldom: S) -> AnyStage
+    where
+        R: FlowState<Scalar: Packed> + 'static,
+        G: Geometry + 'static,
+        F: Reconstruction<R> + 'static,
+        T: PairTerm<R, Contact<R::Scalar>> + 'static,
+        S: PairTerm<R, Contact<R::Scalar>> + 'static,
+    {
+        let seldom = (seldom, self.shifting_interval());
+        AnyStage::chunks(PairPass::<R, _, _, _>::new("flux", problem, terms, seldom, self.unit()))
+    }
 }

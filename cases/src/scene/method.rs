@@ -50,6 +50,9 @@ pub struct Method {
     /// surface tension, [`FREE_SHIFTING`] where there is none (less at large smoothing lengths), and none where the
     /// energy equation is solved.
     pub shifting: Option<f64>,
+    /// Steps from one shift of the particles to the next, at least 1; without a choice it is [`SHIFTING_INTERVAL`] where
+    /// there is surface tension, else 1.
+    pub shifting_interval: Option<u64>,
     /// Courant number, above 0 and at most 0.6.
     pub cfl: f64,
     /// Precision of the pair sums; mixed only with the default weights.
@@ -63,6 +66,12 @@ pub const LARGEST_COURANT: f64 = 0.6;
 /// Coefficient of particle shifting under surface tension: of 1, 2, 3 and 5 the one with which most fast
 /// collisions of drops end well.
 pub const SHIFTING: f64 = 3.0;
+
+/// Steps from one shift to the next under surface tension, where few particles shift: a step takes 5 ns a particle less
+/// than with one (of 92). Of 16 long drops that swing the mean gains .24 % of its energy with four and .12 with one, 29 fast
+/// collisions gain .41 and .49. A free spheroid, whose particles all shift, loses .081 of its energy with four and .007 with
+/// one.
+pub const SHIFTING_INTERVAL: u64 = 4;
 
 /// Coefficient of particle shifting without surface tension: 3, 4 and 8 leave a free spheroid with 50 particles per
 /// radius an error of .31, .34 and .53 % and take 1.4, .6 and .3 % of its energy in 7 s; none leaves 1.9 %.
@@ -95,6 +104,7 @@ impl Method {
             colour_guard: 0.85,
             momentum_correction: Recoil::Drop,
             shifting: None,
+            shifting_interval: None,
             cfl: 0.5,
             precision: Precision::Double,
         }
@@ -159,8 +169,10 @@ impl Method {
                 .read_or("momentum_correction", base.momentum_correction, |entry| entry.choice())?,
             shifting: table
                 .read_or("shifting", base.shifting, |entry| entry.not_negative(NUMBER).map(Some))?,
+            shifting_interval: table
+                .read_or("shifting_interval", base.shifting_interval, |entry| entry.count(1).map(Some))?,
             cfl: table.read_or("cfl", base.cfl, |entry| {
-                entry.checked(NUMBER, "must be above 0 and at most 0.8", |value| {
+                entry.checked(NUMBER, "must be above 0 and at most 0.6", |value| {
                     value > 0.0 && value <= LARGEST_COURANT
                 })
             })?,
@@ -185,7 +197,7 @@ impl Method {
     }
 }
 
-const KEYS: [&str; 20] = [
+const KEYS: [&str; 21] = [
     "scheme",
     "axis",
     "axis_factor",
@@ -204,6 +216,7 @@ const KEYS: [&str; 20] = [
     "colour_guard",
     "momentum_correction",
     "shifting",
+    "shifting_interval",
     "cfl",
     "precision",
 ];

@@ -43,7 +43,7 @@ pub use formula::Formula;
 pub(crate) use functions::legendre;
 pub use liquid::{EquationOfState, Liquid};
 pub use measures::Measure;
-pub use method::{FREE_SHIFTING, FREE_SHIFTING_THETA, Method, SHIFTING};
+pub use method::{FREE_SHIFTING, FREE_SHIFTING_THETA, Method, SHIFTING, SHIFTING_INTERVAL};
 pub use output::Output;
 pub use quantity::{Dimension, Quantity};
 pub use values::Choice;

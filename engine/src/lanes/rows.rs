@@ -3,22 +3,26 @@
 use super::{Lanes, Scalar, WIDTH};
 use crate::store::bytes_of;
 use wide::bytemuck::cast;
-use wide::{f32x4, f32x8};
+use wide::{f32x4, f32x8, f64x8, u64x8};
+
+/// Slots of full precision in a row.
+pub const WHOLE: usize = 6;
 
 /// Slots of a row of single precision.
 pub const SLOTS: usize = 2 * WIDTH;
 
-/// The slot of the first coordinate as a number in single precision.
+/// In single precision, where every number has a slot: that of the first third, or of the last number.
+pub const THIRDS: usize = WIDTH;
+
+/// In single precision: the slot of the first coordinate as a number.
 pub const COORDINATE: usize = WIDTH + WIDTH / 2;
 
 /// The packed rows of all particles, then of their images, then some to fill the last block.
 #[derive(Clone, Debug, Default)]
 pub struct RowTable {
-    /// One row a particle.
-    pub first: Vec<Row>,
-    /// Half a row more where the record needs it, else empty.
-    pub second: Vec<HalfRow>,
-    /// All that a particle has in single precision; the others are empty then.
+    /// One row a particle in double precision, else empty.
+    pub double: Vec<Row>,
+    /// The same in single precision.
     pub single: Vec<SingleRow>,
     /// The unit of length of rows of single precision, m.
     pub unit: f64,
@@ -28,10 +32,8 @@ pub struct RowTable {
 
 impl RowTable {
     /// Makes room for `particles` and `images`, whose rows must be written anew.
-    pub fn resize(&mut self, particles: usize, images: usize, with_second: bool) {
-        let count = particles + images + WIDTH;
-        make_room(&mut self.first, count);
-        make_room(&mut self.second, if with_second { count } else { 0 });
+    pub fn resize(&mut self, particles: usize, images: usize) {
+        make_room(&mut self.double, particles + images + WIDTH);
     }
 
     /// Makes room for `particles` and `images` in single precision.
@@ -45,17 +47,13 @@ impl RowTable {
     /// If there are fewer.
     pub fn part(&mut self, particles: usize) -> RowPart<'_> {
         let of = |rows: usize| if rows == 0 { 0 } else { particles };
-        let (first, second, single) = (self.first.len(), self.second.len(), self.single.len());
-        RowPart {
-            first: &mut self.first[..of(first)],
-            second: &mut self.second[..of(second)],
-            single: &mut self.single[..of(single)],
-        }
+        let (double, single) = (of(self.double.len()), of(self.single.len()));
+        RowPart { double: &mut self.double[..double], single: &mut self.single[..single] }
     }
 
     /// Bytes that the rows take.
     pub fn bytes(&self) -> usize {
-        bytes_of(&self.first) + bytes_of(&self.second) + bytes_of(&self.single)
+        bytes_of(&self.double) + bytes_of(&self.single)
     }
 }
 
@@ -71,11 +69,9 @@ fn make_room<T: Clone + Default>(rows: &mut Vec<T>, count: usize) {
 /// The rows of some particles in a row, as [`RowTable`] holds them.
 #[derive(Debug, Default)]
 pub struct RowPart<'a> {
-    /// One row a particle.
-    pub first: &'a mut [Row],
-    /// Half a row more where the record needs it, else empty.
-    pub second: &'a mut [HalfRow],
-    /// All that a particle has in single precision; the others are empty then.
+    /// One row a particle in double precision, else empty.
+    pub double: &'a mut [Row],
+    /// The same in single precision.
     pub single: &'a mut [SingleRow],
 }
 
@@ -86,21 +82,22 @@ impl<'a> RowPart<'a> {
             let count = count.min(rows.len());
             rows.split_off_mut(..count).unwrap_or_default()
         }
-        RowPart {
-            first: first(&mut self.first, particles),
-            second: first(&mut self.second, particles),
-            single: first(&mut self.single, particles),
-        }
+        RowPart { double: first(&mut self.double, particles), single: first(&mut self.single, particles) }
     }
 }
 
-/// What a record names: the slots of as many particles as there are lanes.
+/// What a record names: the slots of as many particles as there are lanes. In double precision a row is one cache
+/// line, as in single precision, because numbers that need not be exact share a slot.
 #[derive(Clone, Copy, Debug)]
 pub struct Slots<T: Scalar = f64> {
-    /// Those of the first row.
-    pub first: [Lanes<T>; WIDTH],
-    /// Those of the second row, zero where there is none.
-    pub second: [Lanes<T>; WIDTH / 2],
+    /// Those of full precision.
+    pub whole: [Lanes<T>; WHOLE],
+    /// Two that share the next slot, rounded to 21 bits in double precision.
+    pub halves: [Lanes<T>; 2],
+    /// Three that share the last slot, rounded to 10 bits in double precision.
+    pub thirds: [Lanes<T>; 3],
+    /// The last slot where only one number lies in it.
+    pub last: Lanes<T>,
     /// The first coordinate as a number, whatever a place is.
     pub coordinate: Lanes<T>,
 }
@@ -118,10 +115,10 @@ pub trait Packed: Scalar {
     ) -> [&'a [u32; WIDTH]; 2];
 
     /// Loads rows and turns them into slots.
-    fn load(rows: &RowTable, particles: [&[u32; WIDTH]; 2], with_second: bool) -> Slots<Self>;
+    fn load(rows: &RowTable, particles: [&[u32; WIDTH]; 2]) -> Slots<Self>;
 
     /// Asks for the rows of eight particles, so that they lie in the caches when they are loaded.
-    fn prefetch(rows: &RowTable, particles: &[u32; WIDTH], with_second: bool);
+    fn prefetch(rows: &RowTable, particles: &[u32; WIDTH]);
 
     /// Writes as many results as there are lanes in SI units: `scale` times those of single precision, whose
     /// lengths have a unit of their own.
@@ -133,12 +130,13 @@ pub trait Packed: Scalar {
     /// The same for as many as `values` takes.
     fn store_part(lanes: Lanes<Self>, scale: f64, values: &mut [f64]);
 
-    /// Bytes of a particle's rows.
-    fn bytes(with_second: bool) -> usize;
+    /// Bytes of a particle's row.
+    const BYTES: usize;
 }
 
 impl Packed for f64 {
     const BLOCKS: usize = 1;
+    const BYTES: usize = size_of::<Row>();
 
     #[inline(always)]
     fn entry<'a>(
@@ -150,25 +148,15 @@ impl Packed for f64 {
     }
 
     #[inline(always)]
-    fn load(rows: &RowTable, [particles, _]: [&[u32; WIDTH]; 2], with_second: bool) -> Slots<f64> {
-        let row = |lane: usize| &rows.first[particles[lane] as usize];
-        let first = Lanes::transpose(std::array::from_fn(row));
-        let second = if with_second {
-            Lanes::transpose_half(std::array::from_fn(|lane| &rows.second[particles[lane] as usize]))
-        } else {
-            [Lanes::ZERO; WIDTH / 2]
-        };
-        Slots { first, second, coordinate: first[0] }
+    fn load(rows: &RowTable, [particles, _]: [&[u32; WIDTH]; 2]) -> Slots<f64> {
+        let row = |lane: usize| &rows.double[particles[lane] as usize];
+        let [whole @ .., shared, last] = Lanes::transpose(std::array::from_fn(row));
+        Slots { whole, halves: shared.halves(), thirds: last.thirds(), last, coordinate: whole[0] }
     }
 
     #[inline(always)]
-    fn prefetch(rows: &RowTable, particles: &[u32; WIDTH], with_second: bool) {
-        for &particle in particles {
-            prefetch(&rows.first, particle as usize);
-            if with_second {
-                prefetch(&rows.second, particle as usize);
-            }
-        }
+    fn prefetch(rows: &RowTable, particles: &[u32; WIDTH]) {
+        particles.iter().for_each(|&particle| prefetch(&rows.double, particle as usize));
     }
 
     #[inline(always)]
@@ -180,14 +168,11 @@ impl Packed for f64 {
     fn store_part(lanes: Lanes, _: f64, values: &mut [f64]) {
         values.copy_from_slice(&lanes.to_array()[..values.len()]);
     }
-
-    fn bytes(with_second: bool) -> usize {
-        size_of::<Row>() + if with_second { size_of::<HalfRow>() } else { 0 }
-    }
 }
 
 impl Packed for f32 {
     const BLOCKS: usize = 2;
+    const BYTES: usize = size_of::<SingleRow>();
 
     #[inline(always)]
     fn entry<'a>(
@@ -199,7 +184,7 @@ impl Packed for f32 {
     }
 
     #[inline(always)]
-    fn load(rows: &RowTable, particles: [&[u32; WIDTH]; 2], _: bool) -> Slots<f32> {
+    fn load(rows: &RowTable, particles: [&[u32; WIDTH]; 2]) -> Slots<f32> {
         let row = |block: usize, lane: usize| &rows.single[particles[block][lane] as usize];
         let low: [&SingleRow; WIDTH] = std::array::from_fn(|lane| row(0, lane));
         let high: [&SingleRow; WIDTH] = std::array::from_fn(|lane| row(1, lane));
@@ -207,15 +192,13 @@ impl Packed for f32 {
             let (low, high) = (transpose_quarter(low, quarter), transpose_quarter(high, quarter));
             std::array::from_fn(|k| Lanes(cast([low[k], high[k]])))
         };
-        let [r, z, reach, area] = quarter(0);
-        let [velocity_r, velocity_z, pressure, impedance] = quarter(1);
-        let [coordinate, ..] = quarter(3);
-        let first = [r, z, reach, area, velocity_r, velocity_z, pressure, impedance];
-        Slots { first, second: quarter(2), coordinate }
+        let ([a, b, c, d], [e, f, halves @ ..]) = (quarter(0), quarter(1));
+        let ([thirds @ .., _], [coordinate, ..]) = (quarter(2), quarter(3));
+        Slots { whole: [a, b, c, d, e, f], halves, thirds, last: thirds[0], coordinate }
     }
 
     #[inline(always)]
-    fn prefetch(rows: &RowTable, particles: &[u32; WIDTH], _: bool) {
+    fn prefetch(rows: &RowTable, particles: &[u32; WIDTH]) {
         particles.iter().for_each(|&particle| prefetch(&rows.single, particle as usize));
     }
 
@@ -231,21 +214,12 @@ impl Packed for f32 {
             *value = f64::from(lane) * scale;
         }
     }
-
-    fn bytes(_: bool) -> usize {
-        size_of::<SingleRow>()
-    }
 }
 
 /// Eight slots of one particle, one cache line: what a pair pass loads of a neighbour.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(64))]
 pub struct Row(pub [f64; WIDTH]);
-
-/// Four more slots of one particle, half a cache line.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[repr(C, align(32))]
-pub struct HalfRow(pub [f64; WIDTH / 2]);
 
 /// The sixteen slots of one particle in single precision, one cache line.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -265,11 +239,56 @@ impl Lanes {
         transpose(rows)
     }
 
-    /// The same for half rows.
+    /// Slots for two numbers, each rounded to 21 bits.
     #[inline(always)]
-    pub fn transpose_half(rows: [&HalfRow; WIDTH]) -> [Lanes; WIDTH / 2] {
-        transpose_half(rows)
+    pub fn of_halves([high, low]: [Lanes; 2]) -> Lanes {
+        Lanes(cast(rounded(high, HALF) << HALF | rounded(low, HALF)))
     }
+
+    /// Slots for three numbers, each rounded to 10 bits.
+    #[inline(always)]
+    pub fn of_thirds([high, middle, low]: [Lanes; 3]) -> Lanes {
+        let place = |number: Lanes, place: u32| rounded(number, THIRD) << (THIRD - place * (64 - THIRD));
+        Lanes(cast(place(high, 0) | place(middle, 1) | place(low, 2)))
+    }
+
+    /// The halves that share a slot.
+    #[inline(always)]
+    fn halves(self) -> [Lanes; 2] {
+        let bits: u64x8 = cast(self.0);
+        [Lanes(cut(self.0, HALF)), Lanes(cast(bits << HALF))]
+    }
+
+    /// The thirds that share a slot.
+    #[inline(always)]
+    fn thirds(self) -> [Lanes; 3] {
+        let bits: u64x8 = cast(self.0);
+        let third = |place: u32| Lanes(cut(cast(bits << (place * (64 - THIRD))), THIRD));
+        [third(0), third(1), third(2)]
+    }
+}
+
+/// Bits of a number of double precision that half a slot and a third lack. What is left begins with sign and exponent,
+/// and is made a number again by moving it to its place.
+const HALF: u32 = 32;
+const THIRD: u32 = 43;
+
+/// Numbers without their last bits.
+#[inline(always)]
+fn cut(numbers: f64x8, bits: u32) -> f64x8 {
+    numbers & f64x8::splat(f64::from_bits(u64::MAX << bits))
+}
+
+/// The bits of numbers that are rounded to as many fewer, the last one kept in the lowest place.
+#[inline(always)]
+fn rounded(numbers: Lanes, bits: u32) -> u64x8 {
+    (cast::<f64x8, u64x8>(numbers.0) + u64x8::splat(1 << (bits - 1))) >> bits
+}
+
+/// The same slot with the sign of its second number turned.
+#[inline(always)]
+pub fn with_second_third_turned(slot: f64) -> f64 {
+    f64::from_bits(slot.to_bits() ^ (1 << (THIRD - 1)))
 }
 
 impl SingleRow {
@@ -345,36 +364,6 @@ fn transpose(rows: [&Row; WIDTH]) -> [Lanes; WIDTH] {
     }
 }
 
-#[cfg(target_feature = "avx512f")]
-#[inline(always)]
-fn transpose_half(rows: [&HalfRow; WIDTH]) -> [Lanes; WIDTH / 2] {
-    use std::arch::x86_64::*;
-    // SAFETY: every half row is 32 bytes, 32-byte aligned and borrowed for the loads; __m512d and
-    // f64x8 are both 64-byte vectors of eight f64; avx512f is enabled at build time.
-    unsafe {
-        let load = |k: usize| _mm256_load_pd(rows[k].0.as_ptr());
-        let both = |i: usize, j: usize| _mm512_insertf64x4::<1>(_mm512_castpd256_pd512(load(i)), load(j));
-        let (p0, p1, p2, p3) = (both(0, 2), both(1, 3), both(4, 6), both(5, 7));
-        let (a0, a1) = (_mm512_unpacklo_pd(p0, p1), _mm512_unpackhi_pd(p0, p1));
-        let (a2, a3) = (_mm512_unpacklo_pd(p2, p3), _mm512_unpackhi_pd(p2, p3));
-        const EVEN: i32 = 0x88;
-        const ODD: i32 = 0xdd;
-        let columns: [__m512d; WIDTH / 2] = [
-            _mm512_shuffle_f64x2::<EVEN>(a0, a2),
-            _mm512_shuffle_f64x2::<EVEN>(a1, a3),
-            _mm512_shuffle_f64x2::<ODD>(a0, a2),
-            _mm512_shuffle_f64x2::<ODD>(a1, a3),
-        ];
-        std::mem::transmute::<[__m512d; WIDTH / 2], [Lanes; WIDTH / 2]>(columns)
-    }
-}
-
-#[cfg(not(target_feature = "avx512f"))]
-#[inline(always)]
-fn transpose_half(rows: [&HalfRow; WIDTH]) -> [Lanes; WIDTH / 2] {
-    std::array::from_fn(|slot| Lanes(wide::f64x8::new(std::array::from_fn(|lane| rows[lane].0[slot]))))
-}
-
 #[cfg(not(target_feature = "avx512f"))]
 #[inline(always)]
 fn transpose(rows: [&Row; WIDTH]) -> [Lanes; WIDTH] {
@@ -391,9 +380,9 @@ mod tests {
         let row = |row: usize| SingleRow(std::array::from_fn(|slot| (100 * row + slot) as f32));
         let rows = RowTable { single: (0..20).map(row).collect(), ..RowTable::default() };
         let particles: [[u32; WIDTH]; 2] = [[3, 1, 4, 19, 5, 9, 2, 6], [0, 0, 7, 8, 10, 11, 12, 18]];
-        let slots = f32::load(&rows, particles.each_ref(), true);
-        let found = slots.first.iter().chain(&slots.second).chain([&slots.coordinate]);
-        for (slot, lanes) in found.enumerate() {
+        let slots = f32::load(&rows, particles.each_ref());
+        let all = slots.whole.iter().chain(&slots.halves).chain(&slots.thirds);
+        for (slot, lanes) in all.enumerate().chain([(THIRDS, &slots.last), (COORDINATE, &slots.coordinate)]) {
             let expected = particles.as_flattened().iter().map(|row| 100.0 * *row as f32 + slot as f32);
             assert!(lanes.to_array().into_iter().eq(expected), "slot {slot}");
         }
@@ -421,13 +410,24 @@ mod tests {
     }
 
     #[test]
-    fn transpose_of_half_rows() {
-        let rows: [HalfRow; WIDTH] =
-            std::array::from_fn(|row| HalfRow(std::array::from_fn(|slot| (10 * row + slot) as f64)));
-        let slots = Lanes::transpose_half(std::array::from_fn(|k| &rows[k]));
-        for (slot, lanes) in slots.iter().enumerate() {
-            let expected: [f64; WIDTH] = std::array::from_fn(|row| (10 * row + slot) as f64);
-            assert_eq!(lanes.to_array(), expected);
-        }
+    fn numbers_that_share_a_slot_are_rounded() {
+        let numbers = [-1.0 / 3.0, 2e-300, 7e299];
+        let lane = |lanes: Lanes| lanes.to_array()[5];
+        let close = |found: Lanes, number: f64, bits: i32| {
+            assert!((lane(found) / number - 1.0).abs() < 0.5_f64.powi(bits), "{found:?}, not {number}");
+        };
+        let [high, low] = Lanes::of_halves([numbers[0], numbers[2]].map(Lanes::splat)).halves();
+        close(high, numbers[0], 21);
+        close(low, numbers[2], 21);
+        let slot = Lanes::of_thirds(numbers.map(Lanes::splat));
+        slot.thirds().into_iter().zip(numbers).for_each(|(found, number)| close(found, number, 10));
+        let turned = Lanes::splat(with_second_third_turned(lane(slot))).thirds().map(lane);
+        let [high, middle, low] = slot.thirds().map(lane);
+        assert_eq!(turned, [high, -middle, low]);
+        // Exact where the bits suffice, and what is not a number stays so.
+        let few = [1.0, -0.75, 96.0];
+        assert_eq!(Lanes::of_thirds(few.map(Lanes::splat)).thirds().map(lane), few);
+        let [_, middle, _] = Lanes::of_thirds([0.0, f64::NAN, 0.0].map(Lanes::splat)).thirds();
+        assert!(lane(middle).is_nan());
     }
 }

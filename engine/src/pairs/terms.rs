@@ -12,9 +12,6 @@ pub trait Record: Copy {
     /// The precision of its slots.
     type Scalar: Scalar;
 
-    /// Whether it needs the second, half row.
-    const SECOND: bool;
-
     /// Names the slots.
     fn from_slots(slots: Slots<Self::Scalar>) -> Self;
 }
@@ -123,6 +120,27 @@ impl<R: Record, P, T: PairTerm<R, P>> PairTerm<R, P> for Option<T> {
             None => columns.extend(std::iter::repeat_n(None, T::OUTPUTS)),
         }
     }
+}
+
+/// No term.
+impl<R: Record, P> PairTerm<R, P> for () {
+    type Sum = ();
+    const OUTPUTS: usize = 0;
+
+    #[inline(always)]
+    fn zero(&self) {}
+
+    #[inline(always)]
+    fn add(&self, _: &R, _: &R, _: &P, (): &mut ()) {}
+
+    #[inline(always)]
+    fn finish(&self, _: &R, (): (), _: &mut [Lanes<R::Scalar>]) {}
+
+    fn operations(&self) -> u64 {
+        0
+    }
+
+    fn outputs(&self, _: &mut Columns) {}
 }
 
 macro_rules! fused_terms {

@@ -4,7 +4,7 @@ use std::cell::Cell;
 use std::marker::PhantomData;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
-pub use engine::lanes::{Scalar, WIDTH};
+pub use engine::lanes::{Scalar, WHOLE};
 
 thread_local! {
     static OPERATIONS: Cell<u64> = const { Cell::new(0) };
@@ -29,8 +29,10 @@ pub struct Lanes<T: Scalar = f64>(PhantomData<T>);
 /// The slots of particles that are not there.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Slots<T: Scalar = f64> {
-    pub first: [Lanes<T>; WIDTH],
-    pub second: [Lanes<T>; WIDTH / 2],
+    pub whole: [Lanes<T>; WHOLE],
+    pub halves: [Lanes<T>; 2],
+    pub thirds: [Lanes<T>; 3],
+    pub last: Lanes<T>,
     pub coordinate: Lanes<T>,
 }
 

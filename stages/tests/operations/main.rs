@@ -25,7 +25,7 @@ mod record;
 mod terms;
 
 use contact::{Contact, ContactProblem, FirstOrder, Limited, Reconstruction, Shock};
-use geometry::{Geometry, HarmonicMean, NearAxisParshikov, Parshikov};
+use geometry::{Geometry, HarmonicMean, NearAxisParshikov, Parshikov, Support};
 use lanes::{Slots, counted};
 use pairs::{Interaction, PairTerm, Record};
 use record::{DeformationRecord, FlowRecord, FlowState, ShockRecord};
@@ -35,6 +35,7 @@ use terms::{
 use wiring::Wiring;
 
 const GEOMETRY: HarmonicMean = HarmonicMean { origin: 0.0 };
+const SUPPORT: Support = Support { theta: 0.5, largest_size: 1.0 };
 
 fn record<R: Record>() -> R {
     R::from_slots(Slots::default())
@@ -46,7 +47,7 @@ where
     G: Geometry,
     F: Reconstruction<R>,
 {
-    let problem = ContactProblem { geometry, reconstruction };
+    let problem = ContactProblem { geometry, support: SUPPORT, reconstruction };
     let (a, b) = (record::<R>(), record::<R>());
     let own = Interaction::<R>::prepare(&problem, &a);
     let (operations, contact) = counted(|| {
@@ -61,7 +62,8 @@ where
 #[test]
 fn contacts_do_what_they_declare() {
     contact::<FlowRecord, _, _>(GEOMETRY, FirstOrder);
-    contact::<DeformationRecord, _, _>(NearAxisParshikov { origin: 0.0, axis_factor: 2.0 }, FirstOrder);
+    let near_axis = NearAxisParshikov { origin: 0.0, axis_factor: 2.0, support: SUPPORT };
+    contact::<DeformationRecord, _, _>(near_axis, FirstOrder);
     contact::<DeformationRecord, _, _>(GEOMETRY, Limited { sharpness: 1.0 });
     contact::<ShockRecord, _, _>(Parshikov { origin: 0.0 }, Shock { slope: 2.0 });
 }
