@@ -3,6 +3,7 @@
 use crate::boundary_detect::EIGENVALUE;
 use crate::fields;
 use crate::surface::INSIDE;
+use meniscus_engine::clock::Clock;
 use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
 use meniscus_engine::lanes::{Lanes, WIDTH};
 use meniscus_engine::parallel;
@@ -10,8 +11,10 @@ use meniscus_engine::pipeline::{Fault, World};
 use meniscus_engine::store::{Read, Update};
 use meniscus_engine::wiring::Wiring;
 
-/// How fast the factor follows the moment matrix, per step.
-const RELAXATION: f64 = 0.1;
+/// Steps from one change of the factor to the next.
+const INTERVAL: u64 = 4;
+/// How fast it follows the moment matrix then: as fast as by a tenth of the way in every step.
+const RELAXATION: f64 = 1.0 - 0.9 * 0.9 * 0.9 * 0.9;
 
 /// G: s_a *= 1 + 0.1 (1/lambda_a - 1) with lambda_a = tr(L_a)/2 (method.md, section 10, "The surface error,
 /// later"). Whoever has few neighbours takes the mean of the interior. So do those near the surface that ask for
@@ -41,7 +44,10 @@ impl ChunkStage for KernelCorrection {
         "kernel-correction"
     }
 
-    fn chunk(&self, _: &Around, chunk: &Chunk) -> Partial {
+    fn chunk(&self, around: &Around, chunk: &Chunk) -> Partial {
+        if !is_due_at(around.clock) {
+            return Partial::default();
+        }
         let [rr, rz, zz] = self.moment.map(|field| chunk.read(field));
         let mut scale = chunk.write(self.scale);
         let surface = self.surface.map(|surface| chunk.read(surface));
@@ -51,6 +57,9 @@ impl ChunkStage for KernelCorrection {
     /// Those with few neighbours and those near the surface look at the mean. NaN marks few neighbours, and the least
     /// of it and the mean is the mean.
     fn finish(&mut self, world: &mut World, [sum, count]: Partial) -> Result<(), Fault> {
+        if !is_due_at(&world.clock) {
+            return Ok(());
+        }
         let mut scale = world.store.write(self.scale);
         let surface = self.surface.map(|surface| world.store.read(surface));
         let surface = surface.as_deref();
@@ -72,6 +81,10 @@ impl ChunkStage for KernelCorrection {
         });
         Ok(())
     }
+}
+
+fn is_due_at(clock: &Clock) -> bool {
+    clock.step.is_multiple_of(INTERVAL)
 }
 
 type Columns<'a> = (&'a [f64], &'a [f64], &'a [f64], &'a mut [f64]);

@@ -40,10 +40,10 @@ use meniscus_engine::store::{Read, Update, bytes_of};
 use meniscus_engine::wiring::Wiring;
 
 /// Steps between two times that f is found, more where the curvature is computed less often.
-const INTERVAL: u64 = 8;
+const INTERVAL: u64 = 16;
 /// Part of the way to a newly found f that is gone each time: where the surface is rough f is noise, and
 /// taken at once it would drive the roughness on.
-const RELAXATION: f64 = 0.5;
+const RELAXATION: f64 = 0.75;
 
 /// The stage finds f; it must follow the curvature, which finds feet and tangents.
 pub struct TensionBalance {
