@@ -3,6 +3,7 @@ mod errors;
 mod expressions;
 mod properties;
 mod reading;
+mod reference;
 mod settings;
 
 use super::{Diagnosis, Scene, parse};
