@@ -11,12 +11,10 @@ use meniscus_engine::pipeline::{Fault, World};
 use meniscus_engine::store::{Read, Update};
 use meniscus_engine::wiring::Wiring;
 
-/// Steps from one change of the factor to the next.
-const INTERVAL: u64 = 4;
-/// How fast it follows the moment matrix then: as fast as by a tenth of the way in every step.
-const RELAXATION: f64 = 1.0 - 0.9 * 0.9 * 0.9 * 0.9;
+/// What is left after a step of the distance to what the moment matrix asks for.
+const LEFT: f64 = 0.9;
 
-/// G: s_a *= 1 + 0.1 (1/lambda_a - 1) with lambda_a = tr(L_a)/2 (method.md, section 10, "The surface error,
+/// G: s_a *= 1 + 0.1 (1/lambda_a - 1) in every step, or 1 - .9^n for 0.1 in every nth, with lambda_a = tr(L_a)/2 (method.md, section 10, "The surface error,
 /// later"). Whoever has few neighbours takes the mean of the interior. So do those near the surface that ask for
 /// more than that: they lack some neighbours, and a trace filled up there makes the layer below push too hard.
 /// Those that ask for less are crowded: with the mean they would push too hard.
@@ -24,18 +22,25 @@ pub struct KernelCorrection {
     moment: [Read<f64>; 3],
     surface: Option<Read<u32>>,
     scale: Update<f64>,
+    interval: u64,
 }
 
 impl KernelCorrection {
-    /// Updates the factor that the next step's pair pass uses; `with_surface` where the scene detects it.
-    pub fn new(wiring: &mut Wiring, with_surface: bool) -> Self {
+    /// Updates the factor that the next step's pair pass uses, in every `interval`th step; `with_surface` where the scene
+    /// detects it.
+    pub fn new(wiring: &mut Wiring, interval: u64, with_surface: bool) -> Self {
         wiring.stage("kernel-correction");
         let moment = [&fields::MOMENT_RR, &fields::MOMENT_RZ, &fields::MOMENT_ZZ];
         KernelCorrection {
             moment: moment.map(|field| wiring.read(field)),
             surface: with_surface.then(|| wiring.read(&fields::SURFACE)),
             scale: wiring.update(&fields::KERNEL_SCALE),
+            interval,
         }
+    }
+
+    fn is_due_at(&self, clock: &Clock) -> bool {
+        clock.step.is_multiple_of(self.interval)
     }
 }
 
@@ -45,19 +50,20 @@ impl ChunkStage for KernelCorrection {
     }
 
     fn chunk(&self, around: &Around, chunk: &Chunk) -> Partial {
-        if !is_due_at(around.clock) {
+        if !self.is_due_at(around.clock) {
             return Partial::default();
         }
         let [rr, rz, zz] = self.moment.map(|field| chunk.read(field));
         let mut scale = chunk.write(self.scale);
         let surface = self.surface.map(|surface| chunk.read(surface));
-        follow((&rr, &rz, &zz, &mut scale), surface.as_deref())
+        let part = 1.0 - LEFT.powi(self.interval as i32);
+        follow((&rr, &rz, &zz, &mut scale), part, surface.as_deref())
     }
 
     /// Those with few neighbours and those near the surface look at the mean. NaN marks few neighbours, and the least
     /// of it and the mean is the mean.
     fn finish(&mut self, world: &mut World, [sum, count]: Partial) -> Result<(), Fault> {
-        if !is_due_at(&world.clock) {
+        if !self.is_due_at(&world.clock) {
             return Ok(());
         }
         let mut scale = world.store.write(self.scale);
@@ -83,15 +89,11 @@ impl ChunkStage for KernelCorrection {
     }
 }
 
-fn is_due_at(clock: &Clock) -> bool {
-    clock.step.is_multiple_of(INTERVAL)
-}
-
 type Columns<'a> = (&'a [f64], &'a [f64], &'a [f64], &'a mut [f64]);
 
-/// Moves the factors of all particles that have enough neighbours, marks the others by a NaN, and gives sum and
+/// Moves the factors of all particles that have enough neighbours by a part of the way, marks the others by a NaN, and gives sum and
 /// number of those inside.
-fn follow((rr, rz, zz, scale): Columns, surface: Option<&[u32]>) -> Partial {
+fn follow((rr, rz, zz, scale): Columns, part: f64, surface: Option<&[u32]>) -> Partial {
     let (mut sum, mut count) = (Lanes::ZERO, Lanes::ZERO);
     let enough = Lanes::splat(EIGENVALUE);
     for first in (0..scale.len()).step_by(WIDTH) {
@@ -99,7 +101,7 @@ fn follow((rr, rz, zz, scale): Columns, surface: Option<&[u32]>) -> Partial {
         let load = |column: &[f64], fill| Lanes::load_or(&column[eight.clone()], fill);
         let (rr, rz, zz) = (load(rr, 1.0), load(rz, 0.0), load(zz, 1.0));
         let change = Lanes::splat(2.0) / (rr + zz) - Lanes::ONE;
-        let now = load(scale, 1.0) * Lanes::splat(RELAXATION).mul_add(change, Lanes::ONE);
+        let now = load(scale, 1.0) * Lanes::splat(part).mul_add(change, Lanes::ONE);
         // As Moment::eigenvalues_at_least has it: trace and determinant of L - 3/4 are not negative.
         let (above_rr, above_zz) = (rr - enough, zz - enough);
         let least = (above_rr + above_zz).min(rz.neg_mul_add(rz, above_rr * above_zz));

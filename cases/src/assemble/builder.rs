@@ -38,6 +38,10 @@ pub(super) type Stages = Vec<AnyStage>;
 /// free spheroid with 50 particles to the radius is off by .25 % instead of .21.
 const MOST_STEPS_WITHOUT_CURVATURE: u64 = 4;
 
+/// Steps between two changes of the kernel's factors, which follow the packing with ten steps' time. A shock passes in less: with
+/// four the density behind that of a cold gas is off by 2.1 instead of 1.7 %.
+const KERNEL_INTERVAL: u64 = 4;
+
 /// A pipeline under way.
 pub(super) struct Builder<'a> {
     pub physics: &'a Physics,
@@ -107,7 +111,9 @@ impl Builder<'_> {
         let reasons = ("the kernel sum is short", "not asked for");
         if self.plan("kernel-correction", self.physics.method.kernel_correction, reasons) {
             let with_surface = self.with_surface();
-            stages.push(AnyStage::chunks(KernelCorrection::new(&mut self.wiring, with_surface)));
+            let interval = if self.with_shocks() { 1 } else { KERNEL_INTERVAL };
+            let stage = KernelCorrection::new(&mut self.wiring, interval, with_surface);
+            stages.push(AnyStage::chunks(stage));
         }
         let reasons = match (self.reconstructs(), self.with_viscosity()) {
             (true, _) => ("the flux reconstructs velocities", ""),
