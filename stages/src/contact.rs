@@ -44,6 +44,8 @@ pub struct Approach<T: Scalar, B> {
     begun: B,
     /// Z_a and Z_b, kg/(m2 s).
     impedances: (Lanes<T>, Lanes<T>),
+    /// V_b, m2.
+    area: Lanes<T>,
     /// H, m.
     support: Lanes<T>,
     /// (Z_a + Z_b)|d|, kg/(m s).
@@ -281,7 +283,8 @@ impl<R: FlowState, G: Geometry, F: Reconstruction<R>> Interaction<R> for Contact
         let impedance_distance = (impedances.0 + impedances.1) * distance;
         // One division gives all inverses.
         let inverse = Lanes::ONE / (support * impedance_distance);
-        Approach { dr, dz, distance, jump, begun, impedances, support, impedance_distance, inverse }
+        let area = b.size * b.size;
+        Approach { dr, dz, distance, jump, area, begun, impedances, support, impedance_distance, inverse }
     }
 
     #[inline(always)]
@@ -293,7 +296,7 @@ impl<R: FlowState, G: Geometry, F: Reconstruction<R>> Interaction<R> for Contact
         approach: &Self::Approach,
     ) -> Contact<R::Scalar> {
         let (a, b) = (record_a.flow(), record_b.flow());
-        let &Approach { dr, dz, distance, jump, support, impedance_distance, inverse, .. } = approach;
+        let &Approach { dr, dz, distance, jump, area, support, impedance_distance, inverse, .. } = approach;
         let (impedance_a, impedance_b) = approach.impedances;
         let inverse_support = inverse * impedance_distance;
         let inverse_impedance_distance = inverse * support;
@@ -310,7 +313,7 @@ impl<R: FlowState, G: Geometry, F: Reconstruction<R>> Interaction<R> for Contact
         let carried = impedance_a.mul_add(rises.left, impedance_b * rises.right);
         let pushed = (a.pressure - b.pressure) * distance;
         let resistance = impedance_a * impedance_b * inverse_impedance_distance;
-        let area_kernel = b.size * b.size * kernel;
+        let area_kernel = area * kernel;
         Contact {
             dr,
             dz,
