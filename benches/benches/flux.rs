@@ -39,8 +39,8 @@ fn rows(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("flux by rows");
     let size = "particle_size=35.7 nm";
     let variants: [(&str, &[&str]); 2] = [
-        ("one row, first-order", &[size, "method.flux=first-order", "method.kernel_correction=false"]),
-        ("one row and a half, low dissipation", &[size]),
+        ("flow state, first-order", &[size, "method.flux=first-order", "method.kernel_correction=false"]),
+        ("with rates of deformation, low dissipation", &[size]),
     ];
     for (name, settings) in variants {
         let mut simulation = start(&drop_scene(settings));
