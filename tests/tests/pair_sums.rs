@@ -172,6 +172,23 @@ fn kernel_scales_and_reference_pressures() {
 }
 
 #[test]
+fn crowding_is_summed_in_steps_that_shift() {
+    let physics = with(|m| (m.shifting, m.shifting_interval) = (Some(0.5), Some(3)));
+    let mut random = Random::new(37);
+    let mut particles = liquid::block([10, 12], 0.4, 0.3, &mut random);
+    liquid::stir(&mut particles, &mut random);
+    let mut block = Block::new(&physics, &particles);
+    let mut after_step = || {
+        block.step();
+        [block.column("crowding_z"), block.column("moment_zz")]
+    };
+    let steps: Vec<[Vec<f64>; 2]> = (0..4).map(|_| after_step()).collect();
+    let differs = |column: usize, step: usize| steps[step][column] != steps[step - 1][column];
+    assert_eq!([1, 2, 3].map(|step| differs(0, step)), [false, false, true]);
+    assert!((1..4).all(|step| differs(1, step)));
+}
+
+#[test]
 fn a_period_and_a_distant_axis() {
     for (scheme, axis) in WEIGHTS {
         for origin in [0.0, 30.0 * SIZE, 1.0] {
