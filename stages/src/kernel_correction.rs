@@ -14,8 +14,8 @@ use meniscus_engine::wiring::Wiring;
 /// What is left after a step of the distance to what the moment matrix asks for.
 const LEFT: f64 = 0.9;
 
-/// G: s_a *= 1 + 0.1 (1/lambda_a - 1) in every step, or 1 - .9^n for 0.1 in every nth, with lambda_a = tr(L_a)/2 (method.md, section 10, "The surface error,
-/// later"). Whoever has few neighbours takes the mean of the interior. So do those near the surface that ask for
+/// G: s_a *= 1 + 0.1 (1/lambda_a - 1) in every step, or with 1 - 0.9^n for 0.1 in every nth, lambda_a = tr(L_a)/2
+/// (method.md, section 10, "The surface error, later"). Whoever has few neighbours takes the mean of the interior. So do those near the surface that ask for
 /// more than that: they lack some neighbours, and a trace filled up there makes the layer below push too hard.
 /// Those that ask for less are crowded: with the mean they would push too hard.
 pub struct KernelCorrection {
