@@ -52,12 +52,17 @@ pub struct Strength {
     pub everywhere: bool,
 }
 
-/// dr = -coefficient u dt H grad C, at most 0.01 D; without the normal component at the boundary (method.md,
-/// sections 10 and 12). u is H times what the particle's rate of
-/// deformation exceeds a gentle flow's by (the greatest speed where the scene computes none). Off the
-/// boundary a particle shifts only where the packing has become uneven or a ring closes on the axis. So a
+/// dr = -coefficient u dt H grad C, at most 0.01 D (method.md, sections 10 and 12). u is H times what the particle's rate of
+/// deformation exceeds a gentle flow's by (the greatest speed where the scene computes none). A
+/// particle shifts only where the packing has become uneven or a ring closes on the axis. So a
 /// drop that swings gently keeps its packing, and with it its frequency, which shifting everywhere would
 /// lower, and a drop at rest stays at rest.
+///
+/// Particles at the boundary go with the flow alone, where section 10 lets them shift along the surface. What is along it the
+/// ghost's weight doesn't tell near the axis, where it leans by twenty degrees: a part of what the missing side leaves of the crowding
+/// drew the ring at a pole inward wherever the flow was fast enough for shifts, its area grew, with it the curvature, and so the
+/// flow. The poles of fine drops were thrown about. Along the tangent of the surface shifts do no such harm, but drops that swing
+/// far lose more than without any.
 ///
 /// Near the boundary section 10 leaves the outward part out, too. But particles shift to and fro there, and if the
 /// inward shifts alone are let through, they draw the surface in and the pressure pushes it out again: drops that
@@ -71,7 +76,6 @@ pub struct Shifting {
     moment: [Read<f64>; 3],
     deformation: Option<[Read<f64>; 3]>,
     surface: Read<u32>,
-    weight: [Read<f64>; 2],
     position: [Update<f64>; 2],
     carrying: Option<Carrying>,
 }
@@ -146,7 +150,6 @@ impl Shifting {
             moment: moment.map(|field| wiring.read(field)),
             deformation: with_deformation.then(|| DEFORMATION.map(|field| wiring.read(field))),
             surface: wiring.read(&fields::SURFACE),
-            weight: [wiring.read(&fields::GHOST_WEIGHT_SUM_R), wiring.read(&fields::GHOST_WEIGHT_SUM_Z)],
             position: [wiring.update(&fields::RADIUS), wiring.update(&fields::AXIAL)],
             carrying: carrying.then(|| Carrying::new(wiring)),
         }
@@ -156,17 +159,6 @@ impl Shifting {
 /// From zero at the first bound to one at the second.
 fn ramp(value: f64, [from, to]: [f64; 2]) -> f64 {
     ((value - from) / (to - from)).clamp(0.0, 1.0)
-}
-
-/// What is left of a shift at the boundary, given the outward direction.
-fn along_surface(shift: [f64; 2], outward: [f64; 2]) -> [f64; 2] {
-    let length = (outward[0] * outward[0] + outward[1] * outward[1]).sqrt();
-    if length == 0.0 {
-        return shift;
-    }
-    let normal = [outward[0] / length, outward[1] / length];
-    let out = shift[0] * normal[0] + shift[1] * normal[1];
-    [shift[0] - out * normal[0], shift[1] - out * normal[1]]
 }
 
 /// What decides on the shifts of a chunk.
@@ -188,8 +180,11 @@ impl Neighbourhoods<'_> {
         self.packed.size(self.start + k)
     }
 
-    /// Whether none of the eight particles from k on needs a shift off the boundary; `r` are their distances from
-    /// the axis.
+    fn is_at_boundary(&self, k: usize) -> bool {
+        self.surface[k] == BOUNDARY
+    }
+
+    /// Whether none of the eight particles from k on needs a shift; `r` are their distances from the axis.
     fn are_quiet(&self, k: usize, r: Lanes) -> bool {
         let load = |column: &[f64]| Lanes::load(&column[k..]);
         let [rr, rz, zz] = &self.moment;
@@ -199,14 +194,13 @@ impl Neighbourhoods<'_> {
         let uneven = difference.mul_add(difference, shear.mul_add(shear, -(most * most)));
         let area = self.packed.areas(self.start + k);
         let closing = Lanes::splat(1.01 * CLOSING[0] * 1.01 * CLOSING[0]).mul_add(area, -(r * r));
-        let inside = self.surface[k..k + WIDTH].iter().fold(true, |all, code| all & (*code != BOUNDARY));
-        inside && (-(uneven.max(closing))).all_positive()
+        (-(uneven.max(closing))).all_positive()
     }
 
     /// How much of its full strength a shift needs that far from the axis.
     fn need(&self, k: usize, radius: f64) -> f64 {
-        if self.surface[k] == BOUNDARY {
-            return 1.0;
+        if self.is_at_boundary(k) {
+            return if radius < STUCK[0] * self.size(k) { 1.0 } else { 0.0 };
         }
         let moment = self.moment(k);
         if !moment.is_anisotropic(UNEVEN[0]) && radius >= CLOSING[0] * self.size(k) {
@@ -239,12 +233,10 @@ impl Shifting {
             }
             None => greatest,
         };
+        let needed = if neighbourhoods.is_at_boundary(k) { 0.0 } else { needed };
         let factor = needed * coefficient * speed * columns.duration * support;
         let [crowding_r, crowding_z] = &columns.crowding;
         let shift = [-factor * crowding_r[k], -factor * crowding_z[k]];
-        let outward = [columns.weight[0][k], columns.weight[1][k]];
-        let at_boundary = neighbourhoods.surface[k] == BOUNDARY;
-        let shift = if at_boundary { along_surface(shift, outward) } else { shift };
         let farthest = columns.farthest * size;
         let length = (shift[0] * shift[0] + shift[1] * shift[1]).sqrt();
         let keep = if length > farthest { farthest / length } else { 1.0 };
@@ -260,7 +252,6 @@ impl Shifting {
 struct Columns<'a> {
     crowding: [Ref<'a, [f64]>; 2],
     deformation: Option<[Ref<'a, [f64]>; 3]>,
-    weight: [Ref<'a, [f64]>; 2],
     /// s
     duration: f64,
     /// In particle sizes.
@@ -289,7 +280,6 @@ impl ChunkStage for Shifting {
         let columns = Columns {
             crowding: self.crowding.map(|field| chunk.read(field)),
             deformation: self.deformation.map(|fields| fields.map(|field| chunk.read(field))),
-            weight: self.weight.map(|field| chunk.read(field)),
             duration,
             farthest: CAP * interval as f64,
         };

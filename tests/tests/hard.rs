@@ -17,8 +17,8 @@ const ROUNDING: f64 = 1e-12;
 
 /// What shifting all particles may add to the energy where heat is not counted: it moves mass in the flow and in the
 /// force (`cases/free-spheroid` tells how much it adds; without it nothing is won). Four sizes from .05 to .08 m
-/// add .77 to 1.2 %, a smoothing length of .6 adds 1.4 %, and what a size adds changes by a third with the packing.
-const WON: f64 = 0.015;
+/// add .4 to 1 %, and what a size adds changes by a third with the packing.
+const WON: f64 = 0.013;
 
 /// How many times shorter than the first one steps may become in the mean: single particles must not hold those of all.
 const SHORTER: f64 = 6.0;

@@ -129,7 +129,7 @@ impl Builder<'_> {
         );
         let moment = (self.with_surface() || self.with_gradient() || self.physics.method.kernel_correction)
             .then(|| MomentMatrix::new(&mut self.wiring));
-        let weight = self.with_surface().then(|| GhostWeight::new(&mut self.wiring, geometry));
+        let weight = self.with_tension().then(|| GhostWeight::new(&mut self.wiring, geometry));
         let sum = self.with_gradient().then(|| VelocitySum::new(&mut self.wiring));
         let energy = self.with_energy().then(|| EnergyRate::new(&mut self.wiring, geometry));
         (flow, (moment, weight, sum), energy)
