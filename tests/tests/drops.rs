@@ -177,20 +177,22 @@ fn wider_kernels_run() {
 }
 
 /// The flow of mode 2 is fastest at the poles, 1.8 times its root mean square. Shifts along a boundary whose direction was not
-/// the surface's threw the rings there about: within its first third of a period they were forty times as fast as the mean in this drop, 70
-/// particles across its radius.
+/// the surface's threw rings at the poles about: within their first third of a period they were forty times as fast as the mean with
+/// 70 particles to the radius. With 160 Laplace pressures that were carried on for eight steps did so anywhere on the surface.
 #[test]
-fn poles_of_fine_drops_move_with_the_flow() {
-    let scene = drops::drop(&["resolution=70"]);
-    let mut simulation = drops::start(&scene);
-    while simulation.world.clock.step < 3000 {
-        drops::advance(&mut simulation, 20);
-        let [mass, u, w] = ["mass", "velocity_r", "velocity_z"].map(|name| drops::column(&simulation, name));
-        let squares = || u.iter().zip(&w).map(|(u, w)| u * u + w * w);
-        let sum: f64 = squares().zip(&mass).map(|(square, mass)| square * mass).sum();
-        let typical = (sum / mass.iter().sum::<f64>()).sqrt();
-        let least = 0.002 * scene.capillary_velocity();
-        let largest = squares().fold(0.0, f64::max).sqrt() / typical.max(least);
-        assert!(largest < 2.5, "step {}: {largest} times the mean", simulation.world.clock.step);
+fn surfaces_of_fine_drops_move_with_the_flow() {
+    for (resolution, steps) in [("resolution=70", 3000), ("resolution=160", 1000)] {
+        let scene = drops::drop(&[resolution]);
+        let mut simulation = drops::start(&scene);
+        while simulation.world.clock.step < steps {
+            drops::advance(&mut simulation, 20);
+            let [mass, u, w] =
+                ["mass", "velocity_r", "velocity_z"].map(|name| drops::column(&simulation, name));
+            let squares = || u.iter().zip(&w).map(|(u, w)| u * u + w * w);
+            let sum: f64 = squares().zip(&mass).map(|(square, mass)| square * mass).sum();
+            let mean = (sum / mass.iter().sum::<f64>()).sqrt();
+            let largest = squares().fold(0.0, f64::max).sqrt() / mean.max(0.002 * scene.capillary_velocity());
+            assert!(largest < 2.5, "{resolution}, step {}: {largest} times", simulation.world.clock.step);
+        }
     }
 }
