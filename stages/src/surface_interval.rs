@@ -7,8 +7,8 @@
 //! much longer, its pressure shoots past zero by more than it was: it changes its sign from look to look and grows,
 //! until particles are thrown out of the surface.
 //!
-//! Where sound is fast enough the liquid doesn't yield, and the bump swings with about the capillary time of a particle,
-//! sqrt(rho D^3/sigma), or, if that is shorter, the time D/C that sound takes. Carried on for longer its pressure drives it.
+//! Where sound is faster the liquid doesn't yield, and the bump swings, with about the capillary time of a particle,
+//! sqrt(rho D^3/sigma), and no faster than sound passes one, D/C. Carried on for longer its pressure drives it.
 //!
 //! A wave that the particles resolve does not yield: carried on for the time t its pressure is wrong by 5/12 of
 //! (omega t)^2 in the mean, which raises its frequency by half of that. So t is limited to a part of the capillary time, too.

@@ -34,8 +34,8 @@ use std::sync::{Arc, Mutex};
 
 pub(super) type Stages = Vec<AnyStage>;
 
-/// Most steps between two looks for the boundary where no curvature says for how long the surface holds: with eight a
-/// free spheroid with 50 particles to the radius is off by .25 % instead of .21.
+/// Most steps between two looks for the boundary where no curvature says for how long the surface holds: a free
+/// spheroid with 50 particles to the radius is off by .28, .26 and .27 % with one, two and four.
 const MOST_STEPS_WITHOUT_CURVATURE: u64 = 4;
 
 /// Steps between two changes of the kernel's factors, which follow the packing with ten steps' time. A shock passes in less: with
