@@ -180,6 +180,10 @@ impl Neighbourhoods<'_> {
         self.packed.size(self.start + k)
     }
 
+    fn is_at_boundary(&self, k: usize) -> bool {
+        self.surface[k] == BOUNDARY
+    }
+
     /// Whether none of the eight particles from k on needs a shift; `r` are their distances from the axis.
     fn are_quiet(&self, k: usize, r: Lanes) -> bool {
         let load = |column: &[f64]| Lanes::load(&column[k..]);
@@ -193,13 +197,10 @@ impl Neighbourhoods<'_> {
         (-(uneven.max(closing))).all_positive()
     }
 
-    /// How much of its full strength a shift needs that far from the axis, if all shift `everywhere` or only where they must.
-    fn need(&self, k: usize, radius: f64, everywhere: bool) -> f64 {
-        if self.surface[k] == BOUNDARY {
-            return 0.0;
-        }
-        if everywhere {
-            return 1.0;
+    /// How much of its full strength a shift needs that far from the axis.
+    fn need(&self, k: usize, radius: f64) -> f64 {
+        if self.is_at_boundary(k) {
+            return if radius < STUCK[0] * self.size(k) { 1.0 } else { 0.0 };
         }
         let moment = self.moment(k);
         if !moment.is_anisotropic(UNEVEN[0]) && radius >= CLOSING[0] * self.size(k) {
@@ -232,6 +233,7 @@ impl Shifting {
             }
             None => greatest,
         };
+        let needed = if neighbourhoods.is_at_boundary(k) { 0.0 } else { needed };
         let factor = needed * coefficient * speed * columns.duration * support;
         let [crowding_r, crowding_z] = &columns.crowding;
         let shift = [-factor * crowding_r[k], -factor * crowding_z[k]];
@@ -284,9 +286,7 @@ impl ChunkStage for Shifting {
         let [mut r, mut z] = self.position.map(|field| chunk.write(field));
         if everywhere {
             let mut shift = |k: usize| {
-                let radius = r[k] + origin;
-                let needed = neighbourhoods.need(k, radius, true);
-                let shift = self.shift(&columns, &neighbourhoods, k, (radius, needed));
+                let shift = self.shift(&columns, &neighbourhoods, k, (r[k] + origin, 1.0));
                 r[k] += shift[0];
                 z[k] += shift[1];
                 shift
@@ -307,11 +307,8 @@ impl ChunkStage for Shifting {
                 quiet = whole && neighbourhoods.are_quiet(k, Lanes::load(&r[k..]) + Lanes::splat(origin));
             }
             let radius = r[k] + origin;
-            if quiet {
-                continue;
-            }
-            let needed = neighbourhoods.need(k, radius, false);
-            if needed > 0.0 || radius < STUCK[0] * neighbourhoods.size(k) {
+            let needed = if quiet { 0.0 } else { neighbourhoods.need(k, radius) };
+            if needed > 0.0 {
                 let shift = self.shift(&columns, &neighbourhoods, k, (radius, needed));
                 r[k] += shift[0];
                 z[k] += shift[1];
