@@ -21,6 +21,19 @@ const LARGEST: f64 = 1.0;
 /// A foot counts as no nearer to the axis than so many particle sizes where it is divided by its distance.
 const NEAREST: f64 = 0.5;
 
+/// Part of what is still lacking that is handed on each time: where the surface is rough that is noise, and taken at once it
+/// would drive the roughness on. (With a half and a third of it f lags behind the flow: films with 10 to the thickness -.7 and -.9 %.)
+const RELAXATION: f64 = 0.75;
+
+/// f at a place of the surface.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Lack {
+    /// f, Pa.
+    pub f: [f64; 2],
+    /// The slope along the surface of its part across it, Pa/m.
+    pub slope: f64,
+}
+
 /// A particle at the surface or near it. Pressures are in Pa, lengths in m; what belongs to a particle is
 /// multiplied by its distance from the axis over its foot's.
 #[derive(Clone, Copy, Debug)]
@@ -33,24 +46,49 @@ pub(crate) struct SurfaceParticle {
     pub foot: [f64; 2],
     /// Unit tangent t of the surface there, (-t_z, t_r) being outward.
     pub tangent: [f64; 2],
-    /// A . n of its ghost's area A, m; not negative.
-    pub area: f64,
-    /// t V (I - L) t, m2.
-    pub depth: f64,
+    /// Its ghost's area A, m, outward.
+    pub ghost: [f64; 2],
+    /// V (I - L) t, m2.
+    pub deep: [f64; 2],
     /// Its Laplace pressure P.
     pub pressure: f64,
+    /// The slope of that along the surface, Pa/m.
+    pub slope: f64,
     /// The reference that all its pressures act less.
     pub reference: f64,
-    /// Its surface force A (P - P_ref) + V (I - L) grad_s P, N/m, outward.
-    pub force: [f64; 2],
-    /// (P - P_ref) V (I - L) t, N.
-    pub missing: [f64; 2],
+    /// What is added to its surface force so far.
+    pub lack: Lack,
 }
 
 impl SurfaceParticle {
     /// Distance of its foot from the axis, m.
     fn radius(&self, domain: &Domain) -> f64 {
         (self.foot[0] + domain.origin).max(NEAREST * self.size)
+    }
+
+    /// A . n, m; not negative.
+    fn area(&self) -> f64 {
+        outward(self.ghost, self.tangent).max(0.0)
+    }
+
+    /// The length of contour above it, m: A . n is what lies at the particle, which a curved surface makes shorter.
+    fn length(&self, domain: &Domain, tension: f64) -> f64 {
+        let (area, depth) = (self.area(), dot(self.deep, self.tangent));
+        let curvature = (self.pressure - self.hoop(domain, tension)) / tension;
+        (area + curvature * depth).clamp(0.5 * area, 2.0 * area)
+    }
+
+    /// P - P_ref and what f adds, Pa.
+    fn acting_pressure(&self) -> f64 {
+        let lack = if self.area() > 0.0 { outward(self.lack.f, self.tangent) } else { 0.0 };
+        self.pressure - self.reference + lack
+    }
+
+    /// Its surface force, N/m, outward, as `ghost_coupling` and the tangential pressure exert it.
+    fn force(&self) -> [f64; 2] {
+        let (pressure, slope) = (self.acting_pressure(), self.slope + self.lack.slope);
+        let along = self.area() * dot(self.lack.f, self.tangent);
+        [0, 1].map(|axis| pressure * self.ghost[axis] + slope * self.deep[axis] + along * self.tangent[axis])
     }
 
     /// The pressure of the curvature around the axis, sigma n_r/R, Pa. On the axis both curvatures are the same. (With that at
@@ -78,8 +116,6 @@ struct Around {
     length: f64,
     /// The sum of W A . n, m.
     area: f64,
-    /// The sum of W t V (I - L) t over that of W A . n, m.
-    depth: f64,
     /// t . grad N.
     slope: f64,
     /// Mean of |P| with the weights W A . n, Pa.
@@ -87,9 +123,8 @@ struct Around {
 }
 
 /// What enters the sums, in the order of the cells: the place of the foot, the length of contour, A . n, that times |P|,
-/// t V (I - L) t, the tangent, t_r/R, and what is lacking and V (I - L) t (P - P_ref), both over N; then f where what is
-/// lacking was.
-const COLUMNS: usize = 13;
+/// the tangent, t_r/R, and what f becomes and V (I - L) t times the acting pressure, both over N; then f where what f becomes was.
+const COLUMNS: usize = 12;
 
 /// The particles and their images in rows of cells.
 #[derive(Default)]
@@ -144,11 +179,8 @@ impl Contour {
         self.corners = corners;
         self.fill(particles, 0, |at, k, _| {
             let particle = &particles[k];
-            let SurfaceParticle { area, depth, pressure, .. } = *particle;
-            // A . n is what lies at the particle, which a curved surface makes shorter than the contour above it.
-            let curvature = (pressure - particle.hoop(domain, tension)) / tension;
-            let length = (area + curvature * depth).clamp(0.5 * area, 2.0 * area);
-            [at[0], at[1], length, area, area * pressure.abs(), depth]
+            let area = particle.area();
+            [at[0], at[1], particle.length(domain, tension), area, area * particle.pressure.abs()]
         });
         let mut around = std::mem::take(&mut self.around);
         around.clear();
@@ -159,9 +191,9 @@ impl Contour {
             }
         });
         let corners = std::mem::take(&mut self.corners);
-        self.fill(particles, 6, |_, k, sign| {
+        self.fill(particles, 5, |_, k, sign| {
             let particle = &particles[k];
-            let SurfaceParticle { tangent, force, missing, reference, .. } = *particle;
+            let SurfaceParticle { tangent, deep, reference, lack, .. } = *particle;
             let Around { length, area, slope, .. } = around[k];
             let Corner { area: ds, turn } = corners[k];
             let hoop = particle.hoop(domain, tension) - reference;
@@ -170,17 +202,21 @@ impl Contour {
             let along = if area > 0.0 { 1.0 / area } else { 0.0 } - inverse;
             let share = |sum: [f64; 2]| {
                 let more = along * dot(sum, tangent);
-                [0, 1].map(|axis| inverse * sum[axis] + more * tangent[axis])
+                [0, 1].map(|axis| RELAXATION * (inverse * sum[axis] + more * tangent[axis]))
             };
+            let (force, pressure) = (particle.force(), particle.acting_pressure());
+            let missing = deep.map(|deep| pressure * deep);
             // The pull of the tension: sigma (n_r/R n ds - dt).
-            let [lack_r, lack_z] = share([0, 1].map(|axis| {
+            let rest = share([0, 1].map(|axis| {
                 let pull = hoop * ds[axis] - tension * turn[axis];
                 pull - force[axis] + missing[axis] * slope * inverse
             }));
+            let kept = inverse * particle.length(domain, tension);
+            let [f_r, f_z] = [0, 1].map(|axis| rest[axis] + kept * lack.f[axis]);
             let [missing_r, missing_z] = share(missing);
             let [r, z] = tangent;
             let divergence = r / particle.radius(domain);
-            [sign * r, z, divergence, sign * lack_r, lack_z, sign * missing_r, missing_z]
+            [sign * r, z, divergence, sign * f_r, f_z, sign * missing_r, missing_z]
         });
         (self.corners, self.around) = (corners, around);
     }
@@ -280,70 +316,69 @@ impl Contour {
 
     /// N, its slope and the mean pressure at a particle's foot.
     fn around(&self, at: &SurfaceParticle) -> Around {
-        let mut sums = [Lanes::ZERO; 5];
+        let mut sums = [Lanes::ZERO; 4];
         let [r, z] = at.tangent.map(Lanes::splat);
         self.for_places(at, |kernel, lanes| {
             let along = kernel.x.mul_add(r, kernel.y * z);
             sums[0] -= kernel.steepness * along * lanes(2);
-            for column in 2..6 {
+            for column in 2..5 {
                 sums[column - 1] = kernel.value.mul_add(lanes(column), sums[column - 1]);
             }
         });
-        let [slope, length, area, force, depth] = sums.map(|lanes| lanes.sum());
-        let [pressure, depth] = if area > 0.0 { [force / area, depth / area] } else { [0.0; 2] };
-        Around { length, area, depth, slope: slope / (SUPPORT * at.size), pressure }
+        let [slope, length, area, force] = sums.map(|lanes| lanes.sum());
+        let pressure = if area > 0.0 { force / area } else { 0.0 };
+        Around { length, area, slope: slope / (SUPPORT * at.size), pressure }
     }
 
-    /// f without the gradient of its part across the surface: the sum of W/N times what is lacking, less
-    /// R grad_s (W/(R N)) V (I - L) (P - P_ref).
+    /// f so far and a part of what is still lacking, both handed to the particles around: the sum of W/N times them, less R
+    /// grad_s (W/(R N)) V (I - L) (P - P_ref + f_n) of what lacks.
     fn smoothed(&self, at: &SurfaceParticle) -> [f64; 2] {
         let mut sums = [Lanes::ZERO; 2];
         let inverse = Lanes::splat(1.0 / (SUPPORT * at.size));
         self.for_places(at, |kernel, lanes| {
-            let along = kernel.x.mul_add(lanes(6), kernel.y * lanes(7));
-            let slope = (inverse * kernel.steepness).mul_add(along, -(kernel.value * lanes(8)));
-            sums[0] += kernel.value.mul_add(lanes(9), -(slope * lanes(11)));
-            sums[1] += kernel.value.mul_add(lanes(10), -(slope * lanes(12)));
+            let along = kernel.x.mul_add(lanes(5), kernel.y * lanes(6));
+            let slope = (inverse * kernel.steepness).mul_add(along, -(kernel.value * lanes(7)));
+            sums[0] += kernel.value.mul_add(lanes(8), -(slope * lanes(10)));
+            sums[1] += kernel.value.mul_add(lanes(9), -(slope * lanes(11)));
         });
         sums.map(|lanes| lanes.sum())
     }
 
-    /// Across the surface f is a pressure; its gradient along it is handed on as a tangential pressure's.
-    fn with_gradient(&self, at: &SurfaceParticle, around: &Around, f: [f64; 2]) -> [f64; 2] {
+    /// f within bounds, and the slope of its part across the surface.
+    fn with_slope(&self, at: &SurfaceParticle, around: &Around, f: [f64; 2]) -> Lack {
         let mut sums = [Lanes::ZERO; 2];
         let [r, z] = at.tangent.map(Lanes::splat);
         self.for_places(at, |kernel, lanes| {
             let slope = kernel.steepness * kernel.x.mul_add(r, kernel.y * z) * lanes(2);
-            sums[0] -= slope * lanes(9);
-            sums[1] -= slope * lanes(10);
+            sums[0] -= slope * lanes(8);
+            sums[1] -= slope * lanes(9);
         });
         if around.area <= 0.0 {
-            return [0.0; 2];
+            return Lack::default();
         }
         let inverse = 1.0 / (SUPPORT * at.size);
         let slope = [0, 1].map(|axis| (inverse * sums[axis].sum() - around.slope * f[axis]) / around.length);
-        let along = around.depth * outward(slope, at.tangent);
-        let f = [0, 1].map(|axis| f[axis] + along * at.tangent[axis]);
         let (length, most) = (length(f), LARGEST * around.pressure);
-        if length > most { f.map(|lack| lack * most / length) } else { f }
+        let within = if length > most { most / length } else { 1.0 };
+        Lack { f: f.map(|f| within * f), slope: within * outward(slope, at.tangent) }
     }
 
-    /// f at the feet of all particles, Pa.
-    pub fn lack(&mut self, particles: &[SurfaceParticle], found: &mut Vec<[f64; 2]>) {
+    /// f at the feet of all particles.
+    pub fn lack(&mut self, particles: &[SurfaceParticle], found: &mut Vec<Lack>) {
         found.clear();
-        found.resize(particles.len(), [0.0; 2]);
+        found.resize(particles.len(), Lack::default());
         parallel::for_chunks_of(64, particles.len(), &mut found[..], |start, found| {
             for (k, found) in found.iter_mut().enumerate() {
-                *found = self.smoothed(&particles[start + k]);
+                found.f = self.smoothed(&particles[start + k]);
             }
         });
-        self.fill(particles, 9, |_, k, sign| {
-            let [r, z] = found[k];
+        self.fill(particles, 8, |_, k, sign| {
+            let [r, z] = found[k].f;
             [sign * r, z]
         });
         parallel::for_chunks_of(64, particles.len(), &mut found[..], |start, found| {
-            for (k, f) in (start..).zip(found) {
-                *f = self.with_gradient(&particles[k], &self.around[k], *f);
+            for (k, found) in (start..).zip(found) {
+                *found = self.with_slope(&particles[k], &self.around[k], found.f);
             }
         });
     }
@@ -373,21 +408,24 @@ mod tests {
                 size: SIZE,
                 foot: normal,
                 tangent,
-                area: outward([area(0), area(1)], tangent),
-                depth: step * depth,
+                ghost: [area(0), area(1)],
+                deep: tangent.map(|component| step * depth * component),
                 pressure,
+                slope: 0.0,
                 reference: 0.0,
-                force: [pressure * area(0), pressure * area(1)],
-                missing: tangent.map(|component| pressure * step * depth * component),
+                lack: Lack::default(),
             }
         };
         (0..count).map(particle).collect()
     }
 
-    fn lacks(particles: &[SurfaceParticle], origin: f64) -> Vec<[f64; 2]> {
-        let mut lacks = Vec::new();
-        taken_up(particles, origin).lack(particles, &mut lacks);
-        lacks
+    /// Finds f so many times.
+    fn balance(particles: &mut [SurfaceParticle], origin: f64, times: usize) {
+        let mut found = Vec::new();
+        for _ in 0..times {
+            taken_up(particles, origin).lack(particles, &mut found);
+            particles.iter_mut().zip(&found).for_each(|(particle, lack)| particle.lack = *lack);
+        }
     }
 
     fn taken_up(particles: &[SurfaceParticle], origin: f64) -> Contour {
@@ -396,43 +434,48 @@ mod tests {
         contour
     }
 
+    fn sum(of: impl Iterator<Item = [f64; 2]>) -> [f64; 2] {
+        of.fold([0.0; 2], |sum, part| [sum[0] + part[0], sum[1] + part[1]])
+    }
+
     #[test]
     fn the_polygon_is_closed_and_as_long_as_the_circle() {
         let whole = circle(1e6, 0.0, 1.0);
         // A gap of four particle sizes.
         let open = [&whole[..40], &whole[43..]].concat();
         for particles in [&whole, &open] {
-            let contour = taken_up(particles, 1e6);
-            for axis in 0..2 {
-                let sums = contour.corners.iter().map(|corner| [corner.area[axis], corner.turn[axis]]);
-                let [area, turn] =
-                    sums.fold([0.0; 2], |sum, corner| [sum[0] + corner[0], sum[1] + corner[1]]);
-                assert!(area.abs() < 1e-12 && turn.abs() < 1e-12, "{area} {turn}");
+            let corners = taken_up(particles, 1e6).corners;
+            for parts in
+                [sum(corners.iter().map(|corner| corner.area)), sum(corners.iter().map(|corner| corner.turn))]
+            {
+                assert!(length(parts) < 1e-12, "{parts:?}");
             }
         }
         let contour = taken_up(&whole, 1e6);
         for (corner, particle) in contour.corners.iter().zip(&whole) {
             let outward = dot(corner.area, particle.foot);
-            assert!((outward / particle.area - 1.0).abs() < 1e-3, "{outward} {}", particle.area);
+            assert!((outward / particle.area() - 1.0).abs() < 1e-3, "{outward} {}", particle.area());
         }
     }
 
     #[test]
     fn what_is_too_much_is_lacking_with_the_other_sign() {
-        let particles = circle(1e6, 0.0, 1.04);
-        for (particle, lack) in particles.iter().zip(lacks(&particles, 1e6)) {
-            let along_normal = dot(lack, particle.foot);
+        let mut particles = circle(1e6, 0.0, 1.04);
+        balance(&mut particles, 1e6, 20);
+        for SurfaceParticle { foot, tangent, lack, .. } in particles {
+            let along_normal = dot(lack.f, foot);
             assert!((along_normal + 0.04 / 1.04).abs() < 1e-3, "{along_normal}");
-            assert!(dot(lack, particle.tangent).abs() < 1e-6);
+            assert!(dot(lack.f, tangent).abs() < 1e-6);
         }
     }
 
     #[test]
     fn what_the_tangential_pressure_adds_is_not_lacking() {
         for origin in [1e6, 0.0] {
-            let particles = circle(origin, 0.4 * SIZE, 1.0);
-            for (particle, lack) in particles.iter().zip(lacks(&particles, origin)) {
-                assert!(lack[0].hypot(lack[1]) < 4e-3, "{lack:?} at {:?}", particle.foot);
+            let mut particles = circle(origin, 0.4 * SIZE, 1.0);
+            balance(&mut particles, origin, 20);
+            for SurfaceParticle { foot, lack, .. } in particles {
+                assert!(length(lack.f) < 4e-3, "{lack:?} at {foot:?}");
             }
         }
     }
@@ -440,12 +483,10 @@ mod tests {
     #[test]
     fn a_reference_acts_on_nothing() {
         let mut particles = circle(1e6, 0.0, 1.0);
-        for particle in &mut particles {
-            particle.reference = 0.7;
-            particle.force = particle.force.map(|force| 0.3 * force);
-        }
-        for lack in lacks(&particles, 1e6) {
-            assert!(lack[0].hypot(lack[1]) < 1e-3, "{lack:?}");
+        particles.iter_mut().for_each(|particle| particle.reference = 0.7);
+        balance(&mut particles, 1e6, 20);
+        for SurfaceParticle { lack, .. } in particles {
+            assert!(length(lack.f) < 1e-3, "{lack:?}");
         }
     }
 
@@ -453,45 +494,35 @@ mod tests {
     #[test]
     fn what_hardly_faces_outward_lacks_nothing_beyond_bounds() {
         let places = [(0.0, [1.0, 0.0], 0.0), (3.0, [1.0, 0.0], 0.0), (6.5, [0.8, -0.6], 1e-15)];
-        let particles = places.map(|(along, tangent, area)| SurfaceParticle {
+        let mut particles = places.map(|(along, tangent, area)| SurfaceParticle {
             foot: [along * SIZE, 0.0],
             tangent,
-            area: area * SIZE,
-            depth: 0.0,
-            force: [0.0, area * SIZE],
-            missing: [0.0; 2],
+            ghost: [-tangent[1] * area * SIZE, tangent[0] * area * SIZE],
+            deep: [0.0; 2],
             ..circle(1e6, 0.0, 1.0)[0]
         });
-        for (particle, [r, z]) in particles.iter().zip(lacks(&particles, 1e6)) {
-            assert!(r.hypot(z) <= LARGEST * particle.pressure, "{r} {z} at {:?}", particle.foot);
+        balance(&mut particles, 1e6, 20);
+        for SurfaceParticle { foot, lack, pressure, .. } in particles {
+            assert!(length(lack.f) <= LARGEST * pressure, "{lack:?} at {foot:?}");
         }
     }
 
+    /// Areas are uneven from particle to particle, too, and lean along the surface, as where the flow has drawn the packing out.
     #[test]
     fn a_closed_contour_is_not_driven_by_pressures_that_differ() {
         let mut particles = circle(1e6, 0.4 * SIZE, 1.0);
-        for particle in &mut particles {
-            // Areas that differ, too, so that N has a slope.
-            let other = 1.0 + 0.3 * particle.foot[0];
-            particle.pressure *= other;
-            particle.area *= 1.0 - 0.2 * particle.foot[0];
-            particle.force = particle.force.map(|force| other * force);
-            particle.missing = particle.missing.map(|missing| other * missing);
+        for (k, particle) in particles.iter_mut().enumerate() {
+            let uneven = 1.0 - 0.2 * particle.foot[0] + 0.3 * (5.0 * k as f64).sin();
+            let leaning = 0.3 * SIZE * (7.0 * k as f64).sin() * particle.foot[0];
+            particle.pressure *= 1.0 + 0.3 * particle.foot[0];
+            particle.ghost =
+                [0, 1].map(|axis| uneven * particle.ghost[axis] + leaning * particle.tangent[axis]);
         }
-        let lacks = lacks(&particles, 1e6);
-        let added = |k: usize, axis: usize| {
-            let SurfaceParticle { area, tangent, pressure, force, foot, .. } = particles[k];
-            let lack = lacks[k];
-            let whole_area = force[axis] / pressure * (1.0 - 0.2 * foot[0]);
-            whole_area * outward(lack, tangent) + area * dot(lack, tangent) * tangent[axis]
-        };
-        for axis in 0..2 {
-            let sum = |of: &dyn Fn(usize) -> f64| (0..particles.len()).map(of).sum::<f64>();
-            let before = sum(&|k| particles[k].force[axis]);
-            let added = sum(&|k| added(k, axis));
-            // What neighbours' directions differ from each other is left over.
-            assert!((before + added).abs() < 5e-4, "{before} {added}");
-            assert!(axis == 1 || before > 0.5, "{before}");
-        }
+        let before = sum(particles.iter().map(SurfaceParticle::force));
+        assert!(length(before) > 0.25, "{before:?}");
+        // Found but once, f leaves .001.
+        balance(&mut particles, 1e6, 30);
+        let after = sum(particles.iter().map(SurfaceParticle::force));
+        assert!(length(after) < 2e-4, "{after:?}");
     }
 }

@@ -110,6 +110,13 @@ pub static TENSION_LACK_Z: Real = Field::state(
     "Pa",
     "What surface forces lack of the tension's pull, over the length of the ghost's area, axial component.",
 );
+/// Slope of what surface forces lack across the surface.
+pub static TENSION_LACK_SLOPE: Real = Field::state(
+    "tension_lack_slope",
+    "df_n/ds",
+    "Pa/m",
+    "Slope along the surface of what ghosts lack of pressure, in the direction of the tangent.",
+);
 /// What the particles around leave empty.
 pub static EMPTINESS: Real = Field::state(
     "emptiness",

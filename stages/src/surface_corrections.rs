@@ -19,6 +19,7 @@ pub struct TangentialPressure {
     lack: [Read<f64>; 3],
     slope: Read<f64>,
     slope_rate: Read<f64>,
+    lack_slope: Read<f64>,
     tangent: [Read<f64>; 2],
     force: [Add<f64>; 2],
 }
@@ -33,6 +34,7 @@ impl TangentialPressure {
             lack: support_lack(wiring),
             slope: wiring.read(&fields::LAPLACE_SLOPE),
             slope_rate: wiring.read(&fields::LAPLACE_SLOPE_RATE),
+            lack_slope: wiring.read(&fields::TENSION_LACK_SLOPE),
             tangent: [wiring.read(&fields::SURFACE_TANGENT_R), wiring.read(&fields::SURFACE_TANGENT_Z)],
             force: force.map(|field| wiring.add(field)),
         }
@@ -53,13 +55,14 @@ impl ChunkStage for TangentialPressure {
         let [rr, rz, zz] = self.lack.map(|field| chunk.read(field));
         let [tangent_r, tangent_z] = self.tangent.map(|field| chunk.read(field));
         let (slope, slope_rate) = (chunk.read(self.slope), chunk.read(self.slope_rate));
+        let lack_slope = chunk.read(self.lack_slope);
         // Carried on as the Laplace pressure is (`ghost_coupling`).
         let elapsed = around.clock.time - around.clock.mark(COMPUTED);
         let [mut force_r, mut force_z] = self.force.map(|field| chunk.write(field));
         for_surface(&chunk.read(self.surface), |i| {
             let missing = Moment { rr: rr[i], rz: rz[i], zz: zz[i] };
             let [r, z] = missing.apply([tangent_r[i], tangent_z[i]]);
-            let slope = slope[i] + elapsed * slope_rate[i];
+            let slope = slope[i] + elapsed * slope_rate[i] + lack_slope[i];
             force_r[i] -= slope * r;
             force_z[i] -= slope * z;
         });
