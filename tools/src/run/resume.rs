@@ -24,7 +24,12 @@ pub(crate) fn resume(arguments: &ResumeArguments) -> Result<ExitCode, Failure> {
     let scene = scene::parse(&name, &text, &arguments.extent.settings())?;
     columns::check_colour(&scene)?;
     if let Some(summary) = finished(&folder, &scene, &start) {
-        eprintln!("the run in {} has reached its end; its results stay", folder.path().display());
+        let (end, further) = match start {
+            Start::Running(checkpoint) if checkpoint.clock.time < scene.until => ("its last step", "--steps"),
+            _ => ("its end", "--until"),
+        };
+        let folder = folder.path().display();
+        eprintln!("the run in {folder} has reached {end}; its results stay, and `{further}` lets it go further");
         return Ok(tell(&summary));
     }
     let pool = pool(arguments.extent.threads)?;
