@@ -3,7 +3,7 @@
 use super::evaluate::Outcome;
 use super::growth;
 use super::history::History;
-use super::motion::mass_sum;
+use super::motion::mass_sums;
 use super::observe::Particles;
 use super::viscous::jet_growth_rate;
 use crate::assemble::Physics;
@@ -27,16 +27,15 @@ const SPLINTER: f64 = 0.002;
 /// One row. The amplitude is the mean of cos(k z) over the mass: epsilon for a surface R (1 + epsilon
 /// cos(k z)).
 pub(super) fn observe(particles: &Particles, physics: &Physics, wavenumber: f64, radius: f64) -> Vec<f64> {
-    let mean = |part: fn((Lanes, Lanes)) -> Lanes| {
-        let (sum, mass) = mass_sum(particles.z.len(), |eight| {
-            let phase = Lanes::splat(wavenumber / radius) * Lanes::load_or(&particles.z[eight.clone()], 0.0);
-            [part(phase.sin_cos()), Lanes::load_or(&particles.mass[eight], 0.0)]
-        });
-        sum / mass
-    };
+    let (sums, mass) = mass_sums(particles.z.len(), |eight| {
+        let phase = Lanes::splat(wavenumber / radius) * Lanes::load_or(&particles.z[eight.clone()], 0.0);
+        let (sine, cosine) = phase.sin_cos();
+        ([cosine, sine], Lanes::load_or(&particles.mass[eight], 0.0))
+    });
+    let [cosine, sine] = sums.map(|sum| sum / mass);
     let outline = Outline::of(particles, physics);
     let neck = outline.surface.iter().fold(f64::INFINITY, |least, r| least.min(*r));
-    vec![mean(|(_, cosine)| cosine), mean(|(sine, _)| sine), neck, outline.smallest_drop()]
+    vec![cosine, sine, neck, outline.smallest_drop()]
 }
 
 /// Largest radius and volume in slices of two particle sizes.

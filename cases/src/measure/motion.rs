@@ -8,15 +8,31 @@ use std::ops::Range;
 /// Sum of mass times value, and of mass, from the values of the particles of a range, eight at most, and their
 /// masses (kg). Lanes beyond them must have no mass and a finite value.
 pub(super) fn mass_sum(len: usize, of: impl Fn(Range<usize>) -> [Lanes; 2] + Sync) -> (f64, f64) {
+    let ([sum], mass) = mass_sums(len, |eight| {
+        let [value, mass] = of(eight);
+        ([value], mass)
+    });
+    (sum, mass)
+}
+
+/// The same of several values.
+pub(super) fn mass_sums<const N: usize>(
+    len: usize,
+    of: impl Fn(Range<usize>) -> ([Lanes; N], Lanes) + Sync,
+) -> ([f64; N], f64) {
     let body = |start: usize, (), len: usize| {
-        let add = |[sum, total]: [Lanes; 2], eight: Range<usize>| {
-            let [value, mass] = of(eight);
-            [mass.mul_add(value, sum), total + mass]
-        };
-        let [sum, mass] = eights(start..start + len).fold([Lanes::ZERO; 2], add);
-        (sum.sum(), mass.sum())
+        let (mut sums, mut total) = ([Lanes::ZERO; N], Lanes::ZERO);
+        for eight in eights(start..start + len) {
+            let (values, mass) = of(eight);
+            sums.iter_mut().zip(values).for_each(|(sum, value)| *sum = mass.mul_add(value, *sum));
+            total += mass;
+        }
+        (sums.map(|sum| sum.sum()), total.sum())
     };
-    parallel::fold_chunks(len, (), &body, &|a: (f64, f64), b: (f64, f64)| (a.0 + b.0, a.1 + b.1))
+    let add = |(a, mass): ([f64; N], f64), (b, more): ([f64; N], f64)| {
+        (std::array::from_fn(|k| a[k] + b[k]), mass + more)
+    };
+    parallel::fold_chunks(len, (), &body, &add)
 }
 
 /// A range in pieces of eight; the last one may be shorter.

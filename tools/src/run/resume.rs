@@ -29,7 +29,9 @@ pub(crate) fn resume(arguments: &ResumeArguments) -> Result<ExitCode, Failure> {
             _ => ("its end", "--until"),
         };
         let folder = folder.path().display();
-        eprintln!("the run in {folder} has reached {end}; its results stay, and `{further}` lets it go further");
+        eprintln!(
+            "the run in {folder} has reached {end}; its results stay, and `{further}` lets it go further"
+        );
         return Ok(tell(&summary));
     }
     let pool = pool(arguments.extent.threads)?;
