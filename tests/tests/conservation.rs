@@ -33,13 +33,14 @@ const TORI: [&str; 2] = [
 fn drift(settings: &[&str], steps: usize) -> f64 {
     let mut simulation = drops::start(&drops::scene(DROPS, settings));
     let start = totals(&simulation);
-    let mut worst = 0.0f64;
+    let (mut worst, mut slowed) = (0.0f64, 1.0f64);
     for _ in 0..steps / 10 {
         drops::advance(&mut simulation, 10);
-        worst = worst.max((totals(&simulation).momentum - start.momentum).abs());
+        let now = totals(&simulation);
+        worst = worst.max((now.momentum - start.momentum).abs());
+        // The liquid is thrown back and forth once they have met.
+        slowed = slowed.min(now.momentum_scale / start.momentum_scale);
     }
-    let end = totals(&simulation);
-    let slowed = end.momentum_scale / start.momentum_scale;
     assert!(slowed < 0.9, "they have not met: {slowed}");
     worst / start.momentum_scale
 }
@@ -49,8 +50,8 @@ fn momentum_stays_on_the_axis_and_away_from_it() {
     for flux in ["method.flux=reconstructed", "method.flux=first-order"] {
         for place in [&[][..], &TORI[..]] {
             let settings: Vec<&str> = place.iter().copied().chain([flux]).collect();
-            // Rounding alone: 600 steps of sums that cancel to 1e-16 each.
-            let drift = drift(&settings, 600);
+            // Rounding alone: 500 steps of sums that cancel to 1e-16 each.
+            let drift = drift(&settings, 500);
             println!("{flux} {place:?}: {drift:e}");
             assert!(drift < 1e-12, "{flux} {place:?}: {drift:e}");
         }
