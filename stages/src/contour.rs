@@ -22,7 +22,7 @@ const LARGEST: f64 = 1.0;
 const NEAREST: f64 = 0.5;
 
 /// Part of what is still lacking that is handed on each time: where the surface is rough that is noise, and taken at once it
-/// would drive the roughness on. (With a half and a third of it f lags behind the flow: films with 11 to the thickness gain .7 and .9 % too little.)
+/// would drive the roughness on. (With .5 and .35 of it f lags behind the flow: films with 11 to the thickness gain .7 and .9 % too little.)
 const RELAXATION: f64 = 0.75;
 
 /// f at a place of the surface.
