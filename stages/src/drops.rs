@@ -5,30 +5,50 @@ use crate::equation_of_state::Packing;
 use crate::fields;
 use crate::rows::PackedState;
 use bumpalo::Bump;
+use meniscus_engine::parallel;
 use meniscus_engine::pipeline::{Fault, Stage, World};
 use meniscus_engine::store::{Read, Update};
 use meniscus_engine::wiring::Wiring;
 
-/// Steps between two looks.
+/// Least number of steps between two looks.
 pub const INTERVAL: u64 = 20;
+/// How far the fastest particle may move from one look to the next, in particle sizes, for it to be twice, four times or
+/// more as many, at most so many.
+const FARTHEST: f64 = 0.1;
+const MOST_STEPS: u64 = 32 * INTERVAL;
 
 /// Numbers the drops, the connected components of the pair graph, from zero on (method.md, section 10, "Two
-/// drops of different size").
+/// drops of different size"). Which they are changes no faster than particles move.
 pub struct Drops {
     packing: Packing,
     position: [Read<f64>; 2],
+    velocity: [Read<f64>; 2],
     drop: Update<u32>,
 }
 
 impl Drops {
-    /// Looks for drops every [`INTERVAL`] steps.
+    /// Looks for drops every [`INTERVAL`] steps, less often where all are slow.
     pub fn new(wiring: &mut Wiring, packing: Packing) -> Self {
         wiring.stage("drops");
         Drops {
             packing,
             position: [wiring.read(&fields::RADIUS), wiring.read(&fields::AXIAL)],
+            velocity: [wiring.read(&fields::VELOCITY_R), wiring.read(&fields::VELOCITY_Z)],
             drop: wiring.update(&fields::DROP),
         }
+    }
+
+    /// Steps between two looks at the present pace.
+    fn interval(&self, world: &World) -> u64 {
+        let [u, w] = self.velocity.map(|field| world.store.read(field));
+        let (u, w) = (&u[..], &w[..]);
+        let fastest = parallel::maximum(u.len(), |i| u[i] * u[i] + w[i] * w[i]).sqrt();
+        let farthest = FARTHEST * 0.5 * self.packing.largest_size;
+        let mut steps = INTERVAL;
+        while steps < MOST_STEPS && 2.0 * steps as f64 * world.clock.previous_step_size * fastest < farthest {
+            steps *= 2;
+        }
+        steps
     }
 }
 
@@ -38,7 +58,8 @@ impl Stage for Drops {
     }
 
     fn run(&mut self, world: &mut World) -> Result<(), Fault> {
-        if !world.clock.step.is_multiple_of(INTERVAL) {
+        let step = world.clock.step;
+        if !step.is_multiple_of(INTERVAL) || !step.is_multiple_of(self.interval(world)) {
             return Ok(());
         }
         let [r, z] = self.position.map(|field| world.store.read(field));
