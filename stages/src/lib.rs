@@ -3,6 +3,7 @@
 pub mod axis_contact;
 mod bad_state;
 pub mod boundary_detect;
+pub mod boundary_evening;
 pub mod central_force;
 pub mod colour_field;
 pub mod components;

@@ -1,6 +1,7 @@
 //! Drops against exact solutions, and every choice of the method over some hundred steps.
 
 use meniscus_cases::simulation::Simulation;
+use meniscus_stages::surface::BOUNDARY;
 use meniscus_tests::drops::{self, is_finite, mean_speed, totals};
 use std::f64::consts::PI;
 
@@ -195,4 +196,39 @@ fn surfaces_of_fine_drops_move_with_the_flow() {
             assert!(largest < 2.5, "{resolution}, step {}: {largest} times", simulation.world.clock.step);
         }
     }
+}
+
+/// The least and the largest distance of neighbours along the surface of a round drop, in particle sizes.
+fn distances_along_the_surface(simulation: &Simulation, size: f64) -> [f64; 2] {
+    let [r, z] = ["radius", "axial"].map(|name| drops::column(simulation, name));
+    let surface = simulation.world.store.by_name::<u32>("surface").unwrap();
+    let at_boundary = (0..r.len()).filter(|&i| surface[i] == BOUNDARY);
+    let mut row: Vec<(f64, f64)> = at_boundary.map(|i| (r[i], z[i])).collect();
+    row.sort_by(|a, b| a.0.atan2(a.1).total_cmp(&b.0.atan2(b.1)));
+    let distances = row.windows(2).map(|pair| (pair[1].0 - pair[0].0).hypot(pair[1].1 - pair[0].1) / size);
+    distances.fold([f64::INFINITY, 0.0], |[least, most], distance| [least.min(distance), most.max(distance)])
+}
+
+/// What many swings leave of drift draws the boundary's particles together here and apart there.
+#[test]
+fn the_boundarys_particles_give_way_to_a_crowd() {
+    let scene = drops::drop(&["resolution=12", "amplitude=0"]);
+    let mut simulation = drops::start(&scene);
+    drops::advance(&mut simulation, 1);
+    let [mut r, mut z] = ["radius", "axial"].map(|name| drops::column(&simulation, name));
+    let surface = simulation.world.store.by_name::<u32>("surface").unwrap().to_vec();
+    for i in (0..r.len()).filter(|&i| surface[i] == BOUNDARY) {
+        let (distance, angle) = (r[i].hypot(z[i]), r[i].atan2(z[i]));
+        let turned = angle + 0.09 * (4.0 * angle).sin();
+        (r[i], z[i]) = (distance * turned.sin(), distance * turned.cos());
+    }
+    simulation.world.store.set("radius", &r);
+    simulation.world.store.set("axial", &z);
+    let size = 2.5e-6 / 12.0;
+    let before = distances_along_the_surface(&simulation, size);
+    drops::advance(&mut simulation, 12000);
+    let after = distances_along_the_surface(&simulation, size);
+    println!("{before:?} become {after:?} sizes");
+    assert!(before[0] < 0.65 && before[1] > 1.35, "{before:?}");
+    assert!(after[0] > 0.7 && after[1] < 1.25, "{after:?}");
 }

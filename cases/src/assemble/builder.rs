@@ -6,6 +6,7 @@ use meniscus_engine::pipeline::AnyStage;
 use meniscus_engine::wiring::Wiring;
 use meniscus_stages::axis_contact::AxisContact;
 use meniscus_stages::boundary_detect::{BoundaryDetect, ColourGuard};
+use meniscus_stages::boundary_evening::BoundaryEvening;
 use meniscus_stages::central_force::CentralForce;
 use meniscus_stages::colour_field::ColourField;
 use meniscus_stages::correction::MomentumCorrection;
@@ -201,6 +202,11 @@ impl Builder<'_> {
         if self.plan("tension-balance", self.with_slope(), reasons) {
             let tension = self.physics.surface_tension;
             stages.push(AnyStage::whole(TensionBalance::new(&mut self.wiring, self.packing, tension)));
+        }
+        let reasons =
+            ("what a swing leaves of drift would crowd the surface", "no shifting, or no colour field");
+        if self.plan("boundary-evening", self.with_slope() && self.shifting() > 0.0, reasons) {
+            stages.push(AnyStage::whole(BoundaryEvening::new(&mut self.wiring, self.packing)));
         }
         let reasons = ("ghosts bring the Laplace pressure to the surface", "there is no surface tension");
         if self.plan("ghost-coupling", self.with_tension(), reasons) {
