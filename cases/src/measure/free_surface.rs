@@ -41,6 +41,11 @@ fn sizes(store: &Store, origin: f64) -> Option<Vec<f64>> {
     Some(boundary.map(|i| (mass[i] / (2.0 * PI * (r[i] + origin) * density[i])).sqrt()).collect())
 }
 
+/// (The standard library's `hypot` would take several times as long, and nothing here comes near the limits of numbers.)
+fn length([r, z]: [f64; 2]) -> f64 {
+    (r * r + z * z).sqrt()
+}
+
 /// The points of the surface, r and z in m; `None` where the pipeline doesn't look for them.
 pub(super) fn feet(store: &Store) -> Option<(Vec<f64>, Vec<f64>)> {
     let column = |name: &str| store.by_name::<f64>(name);
@@ -62,7 +67,7 @@ fn merged(r: &[f64], z: &[f64], sizes: &[f64], distance: f64) -> Spots {
     let mut is_kept = vec![true; r.len()];
     for point in 0..r.len() {
         let is_one = |other: usize| {
-            other < point && is_kept[other] && (r[other] - r[point]).hypot(z[other] - z[point]) < distance
+            other < point && is_kept[other] && length([r[other] - r[point], z[other] - z[point]]) < distance
         };
         let mut has_one = false;
         bins.near(r[point], z[point], distance, |range| {
@@ -104,7 +109,7 @@ impl Points {
         self.bins.near(r, z, reach, |range| {
             for &other in &self.bins.members()[range] {
                 let way = [self.r[other as usize] - r, self.z[other as usize] - z];
-                let distance = way[0].hypot(way[1]);
+                let distance = length(way);
                 if distance < reach && other as usize != point {
                     visit(way, distance);
                 }

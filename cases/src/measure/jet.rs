@@ -33,52 +33,72 @@ pub(super) fn observe(particles: &Particles, physics: &Physics, wavenumber: f64,
         ([cosine, sine], Lanes::load_or(&particles.mass[eight], 0.0))
     });
     let [cosine, sine] = sums.map(|sum| sum / mass);
-    let outline = Outline::of(particles, physics);
-    let neck = outline.surface.iter().fold(f64::INFINITY, |least, r| least.min(*r));
-    vec![cosine, sine, neck, outline.smallest_drop()]
+    let slices = Slices::of(particles, physics);
+    let surface = slices.surface(particles);
+    let neck = surface.iter().fold(f64::INFINITY, |least, r| least.min(*r));
+    let is_torn = surface.contains(&0.0);
+    let smallest = if is_torn { slices.smallest_drop(&slices.volumes(particles)) } else { 0.0 };
+    vec![cosine, sine, neck, smallest]
 }
 
-/// Largest radius and volume in slices of two particle sizes.
-struct Outline {
-    surface: Vec<f64>,
-    volume: Vec<f64>,
-    periodic: bool,
+/// Slices of two particle sizes across the axis.
+struct Slices {
+    bottom: f64,
+    inverse_length: f64,
+    count: usize,
+    is_periodic: bool,
 }
 
-impl Outline {
+impl Slices {
     fn of(particles: &Particles, physics: &Physics) -> Self {
         let (bottom, length) = physics.domain.period.unwrap_or_else(|| {
             let low = particles.z.iter().fold(f64::INFINITY, |a, z| a.min(*z));
             let high = particles.z.iter().fold(f64::NEG_INFINITY, |a, z| a.max(*z));
             (low, (high - low).max(physics.particle_size))
         });
-        let slices = ((length / (2.0 * physics.particle_size)) as usize).max(1);
-        let mut outline = Outline {
-            surface: vec![0.0; slices],
-            volume: vec![0.0; slices],
-            periodic: physics.domain.period.is_some(),
-        };
-        for i in 0..particles.r.len() {
-            let place = (particles.z[i] - bottom) / length;
-            let slice = ((place - place.floor()) * slices as f64) as usize;
-            let slice = slice.min(slices - 1);
-            outline.surface[slice] = outline.surface[slice].max(particles.r[i]);
-            outline.volume[slice] += particles.mass[i] / particles.density[i];
+        Slices {
+            bottom,
+            inverse_length: 1.0 / length,
+            count: ((length / (2.0 * physics.particle_size)) as usize).max(1),
+            is_periodic: physics.domain.period.is_some(),
         }
-        outline
+    }
+
+    /// The slice in which a z (m) lies.
+    fn number(&self, z: f64) -> usize {
+        let place = (z - self.bottom) * self.inverse_length;
+        (((place - place.floor()) * self.count as f64) as usize).min(self.count - 1)
+    }
+
+    /// Largest distances from the axis, m; zero in empty slices.
+    fn surface(&self, particles: &Particles) -> Vec<f64> {
+        let mut surface = vec![0.0f64; self.count];
+        for (r, z) in particles.r.iter().zip(particles.z) {
+            let largest = &mut surface[self.number(*z)];
+            *largest = largest.max(*r);
+        }
+        surface
+    }
+
+    /// Volumes of the liquid, m3.
+    fn volumes(&self, particles: &Particles) -> Vec<f64> {
+        let mut volumes = vec![0.0; self.count];
+        for (i, z) in particles.z.iter().enumerate() {
+            volumes[self.number(*z)] += particles.mass[i] / particles.density[i];
+        }
+        volumes
     }
 
     /// Radius of the smallest of several pieces between empty slices; 0 while there is one.
-    fn smallest_drop(&self) -> f64 {
-        let count = self.surface.len();
-        let Some(gap) = self.volume.iter().position(|v| *v == 0.0) else {
+    fn smallest_drop(&self, volumes: &[f64]) -> f64 {
+        let Some(gap) = volumes.iter().position(|v| *v == 0.0) else {
             return 0.0;
         };
-        let first = if self.periodic { gap } else { 0 };
-        let whole: f64 = self.volume.iter().sum();
+        let first = if self.is_periodic { gap } else { 0 };
+        let whole: f64 = volumes.iter().sum();
         let (mut pieces, mut piece) = (Vec::new(), 0.0);
-        for k in 0..=count {
-            let volume = if k == count { 0.0 } else { self.volume[(first + k) % count] };
+        for k in 0..=self.count {
+            let volume = if k == self.count { 0.0 } else { volumes[(first + k) % self.count] };
             if volume > 0.0 {
                 piece += volume;
             } else if piece > SPLINTER * whole {

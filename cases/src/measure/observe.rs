@@ -154,10 +154,10 @@ impl Observer {
         let excess = (density - rest) * Lanes::splat(1.0 / self.physics.reference_density);
         // ln(1 + x) - x/(1 + x) = x^2/2 - 2 x^3/3 + 3 x^4/4 - ...: the series where it is exact to rounding, for there the
         // difference of both would cancel, and a logarithm takes long.
-        let integral = if (Lanes::splat(0.01) - excess.abs()).all_positive() {
+        let integral = if (Lanes::splat(0.05) - excess.abs()).all_positive() {
             let term =
                 |sum: Lanes, k: i32| excess.neg_mul_add(sum, Lanes::splat(f64::from(k - 1) / f64::from(k)));
-            excess * excess * (2..=9).rev().fold(Lanes::ZERO, term)
+            excess * excess * (2..=13).rev().fold(Lanes::ZERO, term)
         } else {
             Lanes::load(&excess.to_array().map(|excess| excess.ln_1p() - excess / (1.0 + excess)))
         };
