@@ -150,7 +150,7 @@ mod tests {
                 ],
                 "laplace_slope",
             ),
-            (&["shifting"], "crowding_r"),
+            (&["shifting", "boundary-evening"], "crowding_r"),
             (&[], "power"),
             (&["viscosity"], "viscous_power"),
         ];
