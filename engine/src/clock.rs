@@ -86,6 +86,16 @@ impl Clock {
         self.step += 1;
     }
 
+    /// How many steps as long as the last one take no longer than `longest` seconds: the fewest times a power of two, and no
+    /// more than the most, whatever the fewest take.
+    pub fn steps_within(&self, longest: f64, [fewest, most]: [u64; 2]) -> u64 {
+        let mut steps = fewest;
+        while steps < most && 2.0 * steps as f64 * self.previous_step_size < longest {
+            steps *= 2;
+        }
+        steps
+    }
+
     /// Notes the present time under a name, for example when something was last computed. Marks are
     /// part of the state: a checkpoint carries them.
     pub fn set_mark(&mut self, name: &'static str) {
@@ -136,5 +146,18 @@ impl Clock {
     /// Sets how many steps a bound has set so far, from a checkpoint.
     pub fn restore_bound(&mut self, reason: &str, steps: u64) {
         self.counts.push((Cow::Owned(reason.to_owned()), steps));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn as_many_steps_as_a_time_takes() {
+        let clock = Clock::at(0, 0.0, 1.0);
+        let steps = [1.0, 39.0, 41.0, 100.0, 161.0, 1e9, f64::INFINITY, f64::NAN]
+            .map(|longest| clock.steps_within(longest, [20, 160]));
+        assert_eq!(steps, [20, 20, 40, 80, 160, 160, 160, 20]);
     }
 }

@@ -249,13 +249,16 @@ impl NeighbourList {
         self.bins.within(r, z, reach, |range| visit(&self.bins.members()[range]));
     }
 
+    /// The image of that number, if it is one's.
+    #[inline]
+    pub fn image(&self, number: usize) -> Option<&Image> {
+        number.checked_sub(self.len).map(|image| &self.images[image])
+    }
+
     /// The particle behind a number that may be an image's.
     #[inline]
     pub fn source(&self, number: usize) -> usize {
-        match number.checked_sub(self.len) {
-            Some(image) => self.images[image].source as usize,
-            None => number,
-        }
+        self.image(number).map_or(number, |image| image.source as usize)
     }
 }
 

@@ -191,8 +191,8 @@ impl BoundaryDetect {
                 if surface[b] != INSIDE {
                     continue;
                 }
-                let (r_b, z_b) = match number.checked_sub(list.len()) {
-                    Some(image) => domain.place(&list.images()[image], r[b], z[b]),
+                let (r_b, z_b) = match list.image(number) {
+                    Some(image) => domain.place(image, r[b], z[b]),
                     None => (r[b], z[b]),
                 };
                 let support = self.packing.reach(packed.size(a)) + self.packing.reach(packed.size(b));

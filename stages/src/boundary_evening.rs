@@ -75,8 +75,7 @@ impl BoundaryEvening {
                     continue;
                 }
                 // Mirrored, a tangent turns round: its normal points outward still.
-                let (r_b, z_b, turn) = match number.checked_sub(list.len()).map(|image| &list.images()[image])
-                {
+                let (r_b, z_b, turn) = match list.image(number) {
                     Some(image) => {
                         let (r, z) = domain.place(image, r[b], z[b]);
                         (r, z, if image.mirrored { -1.0 } else { 1.0 })

@@ -18,8 +18,8 @@ pub fn components<'a>(
 ) -> &'a mut [u32] {
     let is_near = |[r_a, z_a, reach_a]: [f64; 3], number: usize| {
         let b = list.source(number);
-        let (r_b, z_b) = match number.checked_sub(list.len()) {
-            Some(image) => domain.place(&list.images()[image], r[b], z[b]),
+        let (r_b, z_b) = match list.image(number) {
+            Some(image) => domain.place(image, r[b], z[b]),
             None => (r[b], z[b]),
         };
         let support = reach_a + reach(b);

@@ -10,12 +10,12 @@ use meniscus_engine::pipeline::{Fault, Stage, World};
 use meniscus_engine::store::{Read, Update};
 use meniscus_engine::wiring::Wiring;
 
-/// Least number of steps between two looks.
+/// Fewest steps between two looks.
 pub const INTERVAL: u64 = 20;
-/// How far the fastest particle may move from one look to the next, in particle sizes, for it to be twice, four times or
-/// more as many, at most so many.
-const FARTHEST: f64 = 0.1;
+/// Most of them.
 const MOST_STEPS: u64 = 32 * INTERVAL;
+/// How far the fastest particle may move, in particle sizes, in more steps than the fewest.
+const FARTHEST: f64 = 0.1;
 
 /// Numbers the drops, the connected components of the pair graph, from zero on (method.md, section 10, "Two
 /// drops of different size"). Which they are changes no faster than particles move.
@@ -44,11 +44,7 @@ impl Drops {
         let (u, w) = (&u[..], &w[..]);
         let fastest = parallel::maximum(u.len(), |i| u[i] * u[i] + w[i] * w[i]).sqrt();
         let farthest = FARTHEST * 0.5 * self.packing.largest_size;
-        let mut steps = INTERVAL;
-        while steps < MOST_STEPS && 2.0 * steps as f64 * world.clock.previous_step_size * fastest < farthest {
-            steps *= 2;
-        }
-        steps
+        world.clock.steps_within(farthest / fastest, [INTERVAL, MOST_STEPS])
     }
 }
 

@@ -58,11 +58,12 @@ pub struct Strength {
 /// drop that swings gently keeps its packing, and with it its frequency, which shifting everywhere would
 /// lower, and a drop at rest stays at rest.
 ///
-/// Particles at the boundary go with the flow alone (and under surface tension give way to crowds, `BoundaryEvening`), where section 10 lets them shift along the surface. What is along it the
-/// ghost's weight doesn't tell near the axis, where it leans by twenty degrees: a part of what the missing side leaves of the crowding
-/// drew the ring at a pole inward wherever the flow was fast enough for shifts, its area grew, with it the curvature, and so the
-/// flow. The poles of fine drops were thrown about. Along the tangent of the surface shifts do no such harm, but drops that swing
-/// far lose more than without any.
+/// Particles at the boundary go with the flow alone (and under surface tension give way to crowds, `BoundaryEvening`),
+/// where section 10 lets them shift along the surface. What is along it the ghost's weight doesn't tell near the axis,
+/// where it leans by twenty degrees: a part of what the missing side leaves of the crowding drew the ring at a pole
+/// inward wherever the flow was fast enough for shifts, its area grew, with it the curvature, and so the flow. The poles
+/// of fine drops were thrown about. Along the tangent of the surface shifts do no such harm, but drops that swing far
+/// lose more than without any.
 ///
 /// Near the boundary section 10 leaves the outward part out, too. But particles shift to and fro there, and if the
 /// inward shifts alone are let through, they draw the surface in and the pressure pushes it out again: drops that

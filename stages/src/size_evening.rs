@@ -4,7 +4,7 @@ use crate::equation_of_state::Packing;
 use crate::fields;
 use crate::rows::PackedState;
 use crate::time_step::INNERMOST;
-use crate::void_closing::{LONGEST, steps_between};
+use crate::void_closing::{LONGEST, STEPS};
 use arrayvec::ArrayVec;
 use meniscus_engine::parallel;
 use meniscus_engine::pipeline::{Fault, Stage, World};
@@ -125,7 +125,7 @@ impl SizeEvening {
                 if excess == 0.0 {
                     continue;
                 }
-                let (r_b, z_b) = match number.checked_sub(list.len()).map(|image| &list.images()[image]) {
+                let (r_b, z_b) = match list.image(number) {
                     // Across the axis lies the same ring.
                     Some(image) if image.mirrored => continue,
                     Some(image) => domain.place(image, r[b], z[b]),
@@ -206,7 +206,7 @@ impl Stage for SizeEvening {
 
     fn run(&mut self, world: &mut World) -> Result<(), Fault> {
         let step_size = world.clock.previous_step_size;
-        let steps = steps_between(step_size, self.longest);
+        let steps = world.clock.steps_within(self.longest, STEPS);
         let part = (self.rate * steps as f64 * step_size).min(MOST);
         if part == 0.0 || !world.clock.step.is_multiple_of(steps) {
             return Ok(());

@@ -10,7 +10,7 @@ pub const BOUNDARY: u32 = 2;
 /// Length of a vector in the plane. (What is taken squares of here is far from the limits of numbers: the standard
 /// library's `hypot` would take several times as long.)
 #[inline(always)]
-pub(crate) fn length([r, z]: [f64; 2]) -> f64 {
+pub fn length([r, z]: [f64; 2]) -> f64 {
     (r * r + z * z).sqrt()
 }
 

@@ -24,9 +24,9 @@
 //! with 35 particles to the radius, and grew. It is 5e-7 now.)
 //!
 //! What is handed on is not quite what acts: A differs from particle to particle, and f with it. Found anew each time, without
-//! looking at what the f before did, films with 25 and 50 particles to the thickness gained .4 and .7 % too little; so they do .03 and
+//! looking at what the f before did, films with 25 and 50 particles to the thickness gained .4 and .7 % too little; so they do .02 and
 //! .2 %. The f before is handed on, too, not kept: kept by each particle it becomes as rough as the particles are mixed. Then a drop
-//! that swings loses twice as much, and fast collisions win 1 % in the mean instead of .3 and 12 % at most.
+//! that swings loses twice as much, and fast collisions win 1 % in the mean instead of .4 and 12 % at most.
 //!
 //! Forces are those of P - P_ref; what the reference does not do on the right side is -P_ref n ds. The contour is the
 //! polygon through the feet, the places on the surface next to the boundary particles.

@@ -12,11 +12,10 @@ use meniscus_engine::store::{Add, Read, Update};
 use meniscus_engine::wiring::Wiring;
 use std::f64::consts::PI;
 
-/// Least number of steps between two looks: in a drop with 35 particles to the radius they take .04 t_c.
-const FEWEST_STEPS: u64 = 80;
-/// Part of the capillary time up to which it is twice, four times or more as many, at most so many.
+/// Fewest and most steps between two looks: in a drop with 35 particles to the radius the fewest take .04 t_c.
+pub(crate) const STEPS: [u64; 2] = [80, 1280];
+/// Part of the capillary time up to which it is twice the fewest, four times and so on.
 pub(crate) const LONGEST: f64 = 0.045;
-const MOST_STEPS: u64 = 16 * FEWEST_STEPS;
 
 /// Emptiness that doesn't count, of either sign: that of packings that have settled is .001 with a deviation of .003.
 const TOLERANCE: f64 = 0.01;
@@ -44,21 +43,12 @@ pub struct VoidClosing {
     rate: f64,
     /// The same until the next look.
     rate_now: f64,
-    /// Longest time between two looks if that is more than [`FEWEST_STEPS`], s.
+    /// Longest time between two looks if the fewest [`STEPS`] don't take longer, s.
     longest: f64,
     position: [Read<f64>; 2],
     surface: Read<u32>,
     emptiness: Update<f64>,
     strain_rate: Add<f64>,
-}
-
-/// Steps between two looks that are `longest` seconds apart at most, if the fewest steps don't take longer.
-pub(crate) fn steps_between(step_size: f64, longest: f64) -> u64 {
-    let mut steps = FEWEST_STEPS;
-    while steps < MOST_STEPS && 2.0 * steps as f64 * step_size < longest {
-        steps *= 2;
-    }
-    steps
 }
 
 impl VoidClosing {
@@ -135,7 +125,7 @@ impl ChunkStage for VoidClosing {
 
     fn prepare(&mut self, world: &mut World) -> Result<(), Fault> {
         let step_size = world.clock.previous_step_size;
-        let steps = steps_between(step_size, self.longest);
+        let steps = world.clock.steps_within(self.longest, STEPS);
         if world.clock.step.is_multiple_of(steps) {
             self.look(world);
         }

@@ -5,7 +5,7 @@ use meniscus_engine::bins::Bins;
 use meniscus_engine::domain::Domain;
 use meniscus_engine::store::Store;
 use meniscus_stages::fields;
-use meniscus_stages::surface::BOUNDARY;
+use meniscus_stages::surface::{BOUNDARY, length};
 use std::f64::consts::PI;
 
 /// How far apart, in particle sizes, neighbouring points of a surface can lie: in creases gaps are wide.
@@ -39,11 +39,6 @@ fn sizes(store: &Store, origin: f64) -> Option<Vec<f64>> {
     let surface = store.by_name::<u32>(fields::SURFACE.description.name)?;
     let boundary = (0..r.len()).filter(|&i| surface[i] == BOUNDARY);
     Some(boundary.map(|i| (mass[i] / (2.0 * PI * (r[i] + origin) * density[i])).sqrt()).collect())
-}
-
-/// (The standard library's `hypot` would take several times as long, and nothing here comes near the limits of numbers.)
-fn length([r, z]: [f64; 2]) -> f64 {
-    (r * r + z * z).sqrt()
 }
 
 /// The points of the surface, r and z in m; `None` where the pipeline doesn't look for them.
