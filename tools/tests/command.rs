@@ -146,6 +146,16 @@ fn a_resumed_run_ends_as_an_uninterrupted_one() {
     let frames = |run: &str| fs::read(place.path(run).join("particles.pvd")).unwrap();
     assert!(frames("whole") == frames("cut"));
     place.expect(2, &["resume", "nowhere"]);
+    // What a step costs is that of the steps since.
+    let summary = fs::read_to_string(place.path("cut/summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    let steps = summary["steps"].as_f64().unwrap() - 83.0;
+    let particle_steps = summary["particles"].as_f64().unwrap() * steps;
+    for stage in summary["stages"].as_array().unwrap() {
+        let [seconds, nanoseconds] =
+            ["seconds", "ns_per_particle_step"].map(|number| stage[number].as_f64().unwrap());
+        assert!((nanoseconds * particle_steps - seconds * 1e9).abs() <= 1e-9 * seconds * 1e9, "{stage}");
+    }
 }
 
 #[test]

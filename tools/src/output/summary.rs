@@ -89,6 +89,9 @@ pub struct StageCost {
     /// Elapsed time in seconds, all calls together.
     #[serde(deserialize_with = "number")]
     pub seconds: f64,
+    /// The same in nanoseconds per particle and step.
+    #[serde(deserialize_with = "number")]
+    pub ns_per_particle_step: f64,
     /// Its part of the whole run, from 0 to 1.
     #[serde(deserialize_with = "number")]
     pub share: f64,
@@ -161,6 +164,7 @@ pub(in crate::output) mod tests {
             name: name.to_owned(),
             calls: 12_000,
             seconds,
+            ns_per_particle_step: seconds * 1e9 / (36_000.0 * 12_000.0),
             share: seconds / 20.0,
         };
         Summary {

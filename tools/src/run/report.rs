@@ -39,7 +39,7 @@ pub(super) fn report(
     let particles = simulation.world.store.len() as u64;
     let particle_steps = (particles * (clock.step - costs.first_step)).max(1) as f64;
     let Stopwatch { wall: wall_seconds, cpu: cpu_seconds } = costs.started.elapsed();
-    let stages = stages(simulation, recorder, costs, wall_seconds);
+    let stages = stages(simulation, recorder, costs, (wall_seconds, particle_steps));
     let told = (simulation.costs(), stages.as_slice());
     let extent = (particles, clock.step - costs.first_step);
     let profile = costs.profiler.as_ref();
@@ -79,11 +79,17 @@ fn measure(outcome: &Outcome) -> Measure {
 }
 
 /// The stages of a step, and what came before and between the steps.
-fn stages(simulation: &Simulation, recorder: &Recorder, costs: &Costs, wall_seconds: f64) -> Vec<StageCost> {
+fn stages(
+    simulation: &Simulation,
+    recorder: &Recorder,
+    costs: &Costs,
+    (wall_seconds, particle_steps): (f64, f64),
+) -> Vec<StageCost> {
     let stage = |name: &str, calls: u64, seconds: f64| StageCost {
         name: name.to_owned(),
         calls,
         seconds,
+        ns_per_particle_step: seconds * 1e9 / particle_steps,
         share: seconds / wall_seconds,
     };
     let steps = simulation.costs().iter();

@@ -17,8 +17,6 @@ pub struct StageProfile {
     /// What every summary tells of it.
     #[serde(flatten)]
     pub cost: StageCost,
-    /// Elapsed nanoseconds per particle and step.
-    pub ns_per_particle_step: f64,
     /// The part of the elapsed time in which each thread worked on chunks of particles, in a sample of the
     /// steps; empty where there are no chunks.
     pub busy: Vec<f64>,

@@ -93,14 +93,13 @@ fn stages_table(summary: &Summary) -> Table {
     let mut table = table(["stage", "calls", "elapsed", "per particle and step", "share"]);
     let mut stages: Vec<&StageCost> = summary.stages.iter().collect();
     stages.sort_by(|a, b| b.seconds.total_cmp(&a.seconds));
-    let particle_steps = (summary.particles as f64 * summary.steps as f64).max(1.0);
     for stage in stages {
         let bar = "█".repeat((stage.share.clamp(0.0, 1.0) * 20.0).round() as usize);
         table.add_row([
             stage.name.clone(),
             grouped(stage.calls),
             duration(stage.seconds),
-            quantity(stage.seconds / particle_steps, "s", 3),
+            quantity(stage.ns_per_particle_step * 1e-9, "s", 3),
             format!("{:5.1} % {bar:<20}", stage.share * 100.0),
         ]);
     }
@@ -128,7 +127,7 @@ fn profile_table(profile: &Profile) -> Table {
             stage.cost.name.clone(),
             duration(stage.cost.seconds),
             format!("{:.1} %", stage.cost.share * 100.0),
-            quantity(stage.ns_per_particle_step * 1e-9, "s", 3),
+            quantity(stage.cost.ns_per_particle_step * 1e-9, "s", 3),
             number(stage.imbalance),
             pairs(|pairs| pairs.per_particle_step),
             pairs(|pairs| pairs.gigabytes_per_second),
@@ -210,8 +209,13 @@ mod tests {
             gigaflops: 25.8,
         };
         let stage = |name: &str, pairs| StageProfile {
-            cost: StageCost { name: name.to_owned(), calls: 12_000, seconds: 6.63, share: 0.219 },
-            ns_per_particle_step: 68.9,
+            cost: StageCost {
+                name: name.to_owned(),
+                calls: 12_000,
+                seconds: 6.63,
+                ns_per_particle_step: 68.9,
+                share: 0.219,
+            },
             busy: vec![0.9, 0.8],
             imbalance: Some(1.0588),
             pairs,

@@ -29,7 +29,6 @@ pub(super) fn profile(
     let busy = profiler.busy();
     let stages = stages.iter().map(|stage| StageProfile {
         cost: stage.clone(),
-        ns_per_particle_step: stage.seconds * 1e9 / particle_steps,
         busy: find(&busy, &stage.name).map_or_else(Vec::new, shares),
         imbalance: find(&busy, &stage.name).map(imbalance),
         pairs: costs
