@@ -243,10 +243,16 @@ impl NeighbourList {
         entries.take_while(move |&number| number != particle)
     }
 
-    /// Calls `visit` with numbers of particles and listed images that together are all that lay within `reach` metres of
+    /// Particles and listed images in the order of their cells.
+    pub fn in_cells(&self) -> &[u32] {
+        self.bins.members()
+    }
+
+    /// Calls `visit` with ranges of [`NeighbourList::in_cells`] that together hold all that lay within `reach` metres of
     /// (r, z) when the list was built, and some more.
-    pub fn near(&self, r: f64, z: f64, reach: f64, mut visit: impl FnMut(&[u32])) {
-        self.bins.within(r, z, reach, |range| visit(&self.bins.members()[range]));
+    #[inline]
+    pub fn near(&self, r: f64, z: f64, reach: f64, visit: impl FnMut(Range<usize>)) {
+        self.bins.near(r, z, reach, visit);
     }
 
     /// The image of that number, if it is one's.

@@ -6,6 +6,7 @@ use crate::rows::PackedState;
 use crate::sort_bin::WIDEST_SKIN;
 use crate::surface::INSIDE;
 use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
+use meniscus_engine::lanes::{Lanes, WIDTH};
 use meniscus_engine::parallel;
 use meniscus_engine::pipeline::{Fault, World};
 use meniscus_engine::store::{Add, Read, Update};
@@ -76,18 +77,34 @@ impl VoidClosing {
         let (r, z, surface) = (&r[..], &z[..], &surface[..]);
         // How far anyone may have moved since the list was built.
         let slack = 0.25 * WIDEST_SKIN * self.packing.largest_size;
+        // In the order of the list's cells neighbours lie side by side. Images weigh nothing.
+        let in_cells = list.in_cells();
+        let count = in_cells.len();
+        let [cell_r, cell_z, area] = [(); 3].map(|()| world.arena.alloc_slice_fill_copy(count + WIDTH, 0.0));
+        let columns = (&mut cell_r[..count], &mut cell_z[..count], &mut area[..count], in_cells);
+        parallel::for_chunks(count, columns, |_, (cell_r, cell_z, area, members)| {
+            for (k, b) in members.iter().map(|&member| member as usize).enumerate() {
+                if b < r.len() {
+                    (cell_r[k], cell_z[k], area[k]) = (r[b], z[b], packed.area(b));
+                }
+            }
+        });
+        let (cell_r, cell_z, area) = (&*cell_r, &*cell_z, &*area);
         // sum_b V_b W_b of the particles themselves around a place, without their images.
         let around = |[at_r, at_z]: [f64; 2], reach: f64| {
             let inverse_square = 1.0 / (reach * reach);
-            let mut sum = 0.0;
+            let [lane_r, lane_z, scale] = [at_r, at_z, inverse_square].map(|value| Lanes::splat(value));
+            let mut sum = Lanes::ZERO;
             list.near(at_r, at_z, reach + slack, |members| {
-                for b in members.iter().map(|&member| member as usize).filter(|&b| b < r.len()) {
-                    let (dr, dz) = (r[b] - at_r, z[b] - at_z);
-                    let inside = (1.0 - (dr * dr + dz * dz) * inverse_square).max(0.0);
-                    sum += packed.area(b) * inside * inside;
+                for start in members.clone().step_by(WIDTH) {
+                    let area = Lanes::load(&area[start..]).keep_first((members.end - start).min(WIDTH));
+                    let dr = Lanes::load(&cell_r[start..]) - lane_r;
+                    let dz = Lanes::load(&cell_z[start..]) - lane_z;
+                    let inside = dr.mul_add(dr, dz * dz).neg_mul_add(scale, Lanes::ONE).max(Lanes::ZERO);
+                    sum = (inside * inside).mul_add(area, sum);
                 }
             });
-            3.0 / PI * inverse_square * sum
+            3.0 / PI * inverse_square * sum.sum()
         };
         // Who is inside has no boundary particle within the support 4 theta D, and those have half their size of liquid
         // beyond their centres: what the surface cuts off weighs some thousandths. (With half a size less the sums
