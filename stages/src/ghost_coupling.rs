@@ -8,6 +8,7 @@ use crate::surface::{for_surface, length, outward};
 use crate::surface_interval::COMPUTED;
 use meniscus_engine::field::clear;
 use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
+use meniscus_engine::pipeline::{Fault, World};
 use meniscus_engine::store::{Add, Read, Write};
 use meniscus_engine::wiring::Wiring;
 
@@ -32,6 +33,8 @@ pub struct GhostCoupling {
     strain_rate: Add<f64>,
     force: [Write<f64>; 2],
     work: Option<Work>,
+    /// Number of the list with which the force was last cleared, and whether it is in this step.
+    cleared: (u64, bool),
 }
 
 /// What forces lack, and the tangent that parts it.
@@ -77,6 +80,7 @@ impl GhostCoupling {
                 velocity: [wiring.read(&fields::VELOCITY_R), wiring.read(&fields::VELOCITY_Z)],
                 power: wiring.add(&fields::POWER),
             }),
+            cleared: (0, true),
         }
     }
 }
@@ -84,6 +88,13 @@ impl GhostCoupling {
 impl ChunkStage for GhostCoupling {
     fn name(&self) -> &'static str {
         "ghost-coupling"
+    }
+
+    fn prepare(&mut self, world: &mut World) -> Result<(), Fault> {
+        // Away from the surface the force stays zero until the surface is found anew or particles change their order.
+        let (clock, builds) = (&world.clock, world.neighbours.builds());
+        self.cleared = (builds, builds != self.cleared.0 || clock.mark(COMPUTED) == clock.time);
+        Ok(())
     }
 
     fn chunk(&self, around: &Around, chunk: &Chunk) -> Partial {
@@ -103,8 +114,10 @@ impl ChunkStage for GhostCoupling {
         let velocity = self.work.as_ref().map(|work| work.velocity.map(|field| chunk.read(field)));
         let mut power = self.work.as_ref().map(|work| chunk.write(work.power));
 
-        clear(&mut force_r);
-        clear(&mut force_z);
+        if self.cleared.1 {
+            clear(&mut force_r);
+            clear(&mut force_z);
+        }
         for_surface(&chunk.read(self.surface), |i| {
             let weight = [weight_r[i], weight_z[i]];
             let reference = first_reference + reference[i];

@@ -59,9 +59,8 @@ impl ChunkStage for IncompleteSupport {
             let (rr, rz, zz) = (load(&rr, 1.0), load(&rz, 0.0), load(&zz, 1.0));
             let is_inside = surface[eight.clone()].iter().fold(INSIDE, |any, code| any | code) == INSIDE;
             if is_inside && are_complete(rr, rz, zz) {
-                let lack = load(&lack_rr, 0.0).abs() + load(&lack_rz, 0.0).abs() + load(&lack_zz, 0.0).abs();
-                // Written only where they are not zero already; where I - L is, the weight is, too.
-                if lack.less_bits(Lanes::splat(f64::MIN_POSITIVE)) != 0xff {
+                // Written only where they are not zero already: then 1 - L_rr is not, for one of eight at least.
+                if load(&lack_rr, 0.0).abs().less_bits(Lanes::splat(f64::MIN_POSITIVE)) != 0xff {
                     for column in [&mut lack_rr, &mut lack_rz, &mut lack_zz] {
                         column[eight.clone()].fill(0.0);
                     }
