@@ -38,6 +38,7 @@ const FEWEST: u32 = 12;
 struct AlongSurface {
     slope: Update<f64>,
     slope_rate: Write<f64>,
+    slope_last_rate: Update<f64>,
     tangent: [Write<f64>; 2],
 }
 
@@ -52,6 +53,7 @@ pub struct CurvatureColour {
     drop: Read<u32>,
     pressure: Update<f64>,
     rate: Write<f64>,
+    last_rate: Update<f64>,
     offset: [Update<f64>; 2],
     along: Option<AlongSurface>,
     step_bound: f64,
@@ -85,11 +87,13 @@ impl CurvatureColour {
             drop: wiring.read(&fields::DROP),
             pressure: wiring.update(&fields::LAPLACE_PRESSURE),
             rate: wiring.write(&fields::LAPLACE_PRESSURE_RATE),
+            last_rate: wiring.update(&fields::LAPLACE_PRESSURE_LAST_RATE),
             offset: offset.map(|field| wiring.update(field)),
             step_bound: capillary_bound(&settings.tension, 0.25 * settings.support * size),
             along: settings.with_slope.then(|| AlongSurface {
                 slope: wiring.update(&fields::LAPLACE_SLOPE),
                 slope_rate: wiring.write(&fields::LAPLACE_SLOPE_RATE),
+                slope_last_rate: wiring.update(&fields::LAPLACE_SLOPE_LAST_RATE),
                 tangent: tangent.map(|field| wiring.write(field)),
             }),
             boundary: Vec::new(),
@@ -159,9 +163,11 @@ impl CurvatureColour {
         let mut columns = Columns {
             pressure: world.store.write(self.pressure),
             rate: world.store.write(self.rate),
+            last_rate: world.store.write(self.last_rate),
             along: self.along.map(|along| AlongColumns {
                 slope: world.store.write(along.slope),
                 slope_rate: world.store.write(along.slope_rate),
+                slope_last_rate: world.store.write(along.slope_last_rate),
                 tangent: along.tangent.map(|field| world.store.write(field)),
             }),
             offset: self.offset.map(|field| world.store.write(field)),
@@ -171,7 +177,10 @@ impl CurvatureColour {
         let layer = &*world.arena.alloc_slice_fill_with(boundary.len() + near.len(), member);
         let before = |k: usize| {
             let i = layer[k] as usize;
-            [columns.pressure[i], columns.along.as_ref().map_or(0.0, |along| along.slope[i])]
+            let along = columns.along.as_ref();
+            let [slope, slope_rate] =
+                along.map_or([0.0; 2], |along| [along.slope[i], along.slope_last_rate[i]]);
+            [columns.pressure[i], columns.last_rate[i], slope, slope_rate]
         };
         let before = &*world.arena.alloc_slice_fill_with(layer.len(), before);
         let (order, mut set) = std::mem::take(&mut self.set);
@@ -186,16 +195,19 @@ impl CurvatureColour {
         for &i in &self.near_boundary {
             columns.set(i, &self.beside([r[i as usize], z[i as usize]]));
         }
-        let Columns { pressure, mut rate, mut along, .. } = columns;
-        for (&i, &[pressure_before, slope_before]) in layer.iter().zip(before) {
+        let Columns { pressure, mut rate, mut last_rate, mut along, .. } = columns;
+        for (&i, &[pressure_was, rate_was, slope_was, slope_rate_was]) in layer.iter().zip(before) {
             let (size, i) = (size(i), i as usize);
-            let rate_of = |before, now| self.settings.tension.rate([before, now], elapsed, size);
-            rate[i] = rate_of(pressure_before, pressure[i]);
+            let tension = &self.settings.tension;
+            last_rate[i] = tension.rate([pressure_was, pressure[i]], elapsed, size);
+            rate[i] = tension.carried_on([rate_was, last_rate[i]], size);
             if let Some(along) = &mut along
-                && pressure_before != 0.0
+                && pressure_was != 0.0
             {
                 // As fast as pressures change, their difference over a particle's size may.
-                along.slope_rate[i] = rate_of(slope_before * size, along.slope[i] * size) / size;
+                let now = tension.rate([slope_was * size, along.slope[i] * size], elapsed, size);
+                along.slope_last_rate[i] = now / size;
+                along.slope_rate[i] = tension.carried_on([slope_rate_was * size, now], size) / size;
             }
         }
         set.clear();
@@ -278,6 +290,7 @@ struct AtSurface {
 struct Columns<'a> {
     pressure: AtomicRefMut<'a, [f64]>,
     rate: AtomicRefMut<'a, [f64]>,
+    last_rate: AtomicRefMut<'a, [f64]>,
     along: Option<AlongColumns<'a>>,
     offset: [AtomicRefMut<'a, [f64]>; 2],
 }
@@ -286,6 +299,7 @@ struct Columns<'a> {
 struct AlongColumns<'a> {
     slope: AtomicRefMut<'a, [f64]>,
     slope_rate: AtomicRefMut<'a, [f64]>,
+    slope_last_rate: AtomicRefMut<'a, [f64]>,
     tangent: [AtomicRefMut<'a, [f64]>; 2],
 }
 
@@ -294,9 +308,10 @@ impl Columns<'_> {
     fn clear(&mut self, set: Option<&[u32]>) {
         let along = self.along.iter_mut().flat_map(|along| {
             let [tangent_r, tangent_z] = &mut along.tangent;
-            [&mut along.slope, &mut along.slope_rate, tangent_r, tangent_z]
+            [&mut along.slope, &mut along.slope_rate, &mut along.slope_last_rate, tangent_r, tangent_z]
         });
-        let others = [&mut self.pressure, &mut self.rate].into_iter().chain(&mut self.offset);
+        let others =
+            [&mut self.pressure, &mut self.rate, &mut self.last_rate].into_iter().chain(&mut self.offset);
         along.chain(others).for_each(|column| match set {
             Some(set) => set.iter().for_each(|&i| column[i as usize] = 0.0),
             None => clear(&mut column[..]),

@@ -61,9 +61,16 @@ pub static LAPLACE_PRESSURE: Real = Field::state(
     "Pa",
     "Surface tension times curvature when the curvature was last computed; zero inside.",
 );
-/// Rate of the Laplace pressure between the last two computations of the curvature.
+/// Rate at which the Laplace pressure is carried on.
 pub static LAPLACE_PRESSURE_RATE: Real = Field::state(
     "laplace_pressure_rate",
+    "dP_L/dt",
+    "Pa/s",
+    "Rate at which the Laplace pressure is carried on until the curvature is computed anew.",
+);
+/// Rate of the Laplace pressure between the last two computations of the curvature.
+pub static LAPLACE_PRESSURE_LAST_RATE: Real = Field::state(
+    "laplace_pressure_last_rate",
     "dP_L/dt",
     "Pa/s",
     "Rate of the Laplace pressure between the last two computations of the curvature.",
@@ -131,9 +138,16 @@ pub static LAPLACE_SLOPE: Real = Field::state(
     "Pa/m",
     "Slope of the Laplace pressure along the surface's tangent when the curvature was last computed; zero inside.",
 );
-/// Rate of that slope between the last two computations of the curvature.
+/// Rate at which that slope is carried on.
 pub static LAPLACE_SLOPE_RATE: Real = Field::state(
     "laplace_slope_rate",
+    "d2P_L/ds dt",
+    "Pa/m/s",
+    "Rate at which the Laplace pressure's slope is carried on until the curvature is computed anew.",
+);
+/// Rate of that slope between the last two computations of the curvature.
+pub static LAPLACE_SLOPE_LAST_RATE: Real = Field::state(
+    "laplace_slope_last_rate",
     "d2P_L/ds dt",
     "Pa/m/s",
     "Rate of the Laplace pressure's slope between the last two computations of the curvature.",
