@@ -247,3 +247,18 @@ fn write_particles(path: &std::path::Path, scene: &Scene, simulation: &Simulatio
     }
     write_vtp(path, (&r, &z), &fields)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_index_comes_back_bit_for_bit() {
+        let frame = |step: u64| Frame { step, time: step as f64 * 1.7e-10 / 3.0, file: String::new() };
+        let index = Index { view: None, frames: (0..1000).map(frame).collect() };
+        let text = serde_json::to_string(&index).unwrap();
+        let back: Index = serde_json::from_str(&text).unwrap();
+        let times = |index: &Index| index.frames.iter().map(|frame| frame.time).collect::<Vec<_>>();
+        assert_eq!(times(&back), times(&index));
+    }
+}
