@@ -115,6 +115,15 @@ impl ChunkStage for TimeStep {
         let strain_rate = world.store.read(self.strain_rate);
         let larger = |&a: &usize, &b: &usize| strain_rate[a].abs().total_cmp(&strain_rate[b].abs());
         let worst = (0..strain_rate.len()).max_by(larger).unwrap_or(0);
+        if acoustic > VANISHING * at_rest {
+            // The motion is sound: another stage's bound leaves no step, as of a liquid far too viscous.
+            let bound = match world.clock.bound().map_or("", |bound| bound.reason) {
+                "viscous" => "viscous time step",
+                "surface tension" => "capillary time step",
+                _ => "time step",
+            };
+            return Err(self.bad_state.fault(world, worst, bound, step_size));
+        }
         Err(self.bad_state.fault(world, worst, "strain_rate", strain_rate[worst]))
     }
 
