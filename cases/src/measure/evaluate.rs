@@ -36,14 +36,15 @@ impl Outcome {
     }
 
     pub(super) fn of(name: String, value: Option<f64>, unit: &'static str) -> Self {
-        let doubt = format!("`{name}` cannot be told: the run is too short");
-        Outcome {
-            name,
-            value: value.unwrap_or(f64::NAN),
-            unit,
-            reference: None,
-            doubt: value.is_none().then_some(doubt),
-        }
+        let why = match value {
+            None => Some("the run is too short"),
+            Some(value) if value.is_nan() => {
+                Some("no particles are where it looks; check its places and lengths")
+            }
+            Some(_) => None,
+        };
+        let doubt = why.map(|why| format!("`{name}` cannot be told: {why}"));
+        Outcome { name, value: value.unwrap_or(f64::NAN), unit, reference: None, doubt }
     }
 
     pub(super) fn against(mut self, reference: f64) -> Self {
@@ -186,11 +187,12 @@ pub fn oscillation_fit(history: &History, column: &str, expected: Mode, from: f6
 }
 
 /// Changes from the first observation to the last: of axial momentum, relative to the largest sum of its
-/// magnitudes; of energy, relative to the first; of mass, relative to the first. NaN where unknown: the
-/// energy, where surface tension acts on a liquid whose surface is not known.
+/// magnitudes; of energy, relative to the first; of mass, relative to the first. NaN where unknown: all with
+/// fewer than two observations, the energy also where surface tension acts on a liquid whose surface is not known.
 pub fn conservation(scene: &Scene, history: &History) -> [f64; 3] {
-    let change = |values: &[f64]| match (values.first(), values.last()) {
-        (Some(first), Some(last)) => (last - first, *first),
+    // What was observed once has not changed yet: that tells nothing.
+    let change = |values: &[f64]| match values {
+        [first, .., last] => (last - first, *first),
         _ => (f64::NAN, f64::NAN),
     };
     let scale = history.of("momentum scale");

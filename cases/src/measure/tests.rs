@@ -5,6 +5,22 @@ use super::*;
 use crate::scene::{EquationOfState, Liquid, parse};
 use std::f64::consts::PI;
 
+#[test]
+fn one_observation_tells_of_no_change_and_no_number_of_no_value() {
+    let text = "format = 1\n[liquid]\ndensity = \"1 kg/m3\"\n[[body]]\nshape = { sphere = { radius = \"1 m\" } }\n\
+                velocity = { z = \"1 m/s\" }\n[particles]\nsize = \"1 cm\"\n[run]\nuntil = \"1 s\"\n";
+    let scene = parse("drop.toml", text, &[]).expect("a scene");
+    let names = ["time", "momentum z", "momentum scale", "mass"];
+    let mut history = History::new(names.map(|name| Quantity { name: name.to_owned(), unit: "1" }).to_vec());
+    history.push(vec![0.0, 1.0, 1.0, 2.0]);
+    assert!(conservation(&scene, &history).iter().all(|change| change.is_nan()));
+    history.push(vec![1.0, 1.0, 1.0, 2.0]);
+    let [momentum, _, mass] = conservation(&scene, &history);
+    assert_eq!([momentum, mass], [0.0; 2]);
+    let outcome = evaluate::Outcome::of("pressure".to_owned(), Some(f64::NAN), "Pa");
+    assert!(outcome.doubt.expect("a doubt").contains("no particles are where it looks"));
+}
+
 const WATER: Drop = Drop { radius: 2.5e-6, density: 1000.0, surface_tension: 0.074, viscosity: 0.0 };
 
 fn expected() -> Mode {
