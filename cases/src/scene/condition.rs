@@ -143,10 +143,14 @@ mod tests {
             "abs(strain_rate) >= 2 Hz and not identity != 7 or speed < 0",
             "sqrt(r^2 + z^2) < 3 um",
             "speed != 0",
+            "(speed > 3 m/s or identity == 7) and (r^2 + z^2) < 9 um^2",
+            "not (speed > 3 m/s or (identity == 8 and (not z > 0)))",
         ] {
             assert!(holds(text, values), "{text}");
             assert!(!holds(&format!("not {text}"), values) || text.contains("or") || text.contains("and"));
         }
+        let deep = |depth| format!("{}r > 0{}", "(".repeat(depth), ")".repeat(depth));
+        assert!(holds(&deep(90), values) && Condition::parse(&deep(400), &FIELDS).is_err());
         let nan = [f64::NAN; 4];
         assert!(!holds("density < 1 kg/m3 or density >= 1 kg/m3", nan));
         assert!(holds("density != density", nan));
@@ -161,6 +165,8 @@ mod tests {
             ("density < 1 kg/m3 and", "", "expected"),
             ("density < 1 kg/m3 density", "d", "expected"),
             ("1 um < r < 3", "r < 3", "cannot compare"),
+            ("(density < 1 kg/m3 or speed) and r < 1 um", ")", "comparison"),
+            ("(density < 1 kg/m3", "", "expected"),
             ("", "", "expected"),
         ] {
             let error = Condition::parse(text, &FIELDS).unwrap_err();

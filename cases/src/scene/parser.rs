@@ -14,7 +14,7 @@
 //! ```text
 //! alternatives = conjunction { "or" conjunction }
 //! conjunction  = negation { "and" negation }
-//! negation     = { "not" } comparison
+//! negation     = { "not" } ( comparison | "(" alternatives ")" )
 //! comparison   = sum relation sum { relation sum }
 //! relation     = "<" | "<=" | ">" | ">=" | "==" | "!="
 //! ```
@@ -89,8 +89,33 @@ impl Parser<'_> {
         while self.keyword("not") {
             negative = !negative;
         }
-        let test = self.comparison()?;
+        let test = self.test()?;
         Ok(if negative { Test::Not(Box::new(test)) } else { test })
+    }
+
+    fn test(&mut self) -> Result<Test, Mistake> {
+        self.scanner.skip_spaces();
+        let (start, depth) = (self.scanner.position, self.depth);
+        let compared = self.comparison();
+        // A bracket stands around a value or around a condition: only what follows it tells which.
+        let Err(failed) = compared else { return compared };
+        (self.scanner.position, self.depth) = (start, depth);
+        match self.bracketed() {
+            Err(mistake) if mistake.span.start <= failed.span.start => Err(failed),
+            test => test,
+        }
+    }
+
+    fn bracketed(&mut self) -> Result<Test, Mistake> {
+        self.scanner.expect('(')?;
+        self.depth += 1;
+        if self.depth > DEPTH {
+            return Err(self.scanner.unexpected("fewer brackets"));
+        }
+        let test = self.alternatives()?;
+        self.scanner.expect(')')?;
+        self.depth -= 1;
+        Ok(test)
     }
 
     fn comparison(&mut self) -> Result<Test, Mistake> {

@@ -17,8 +17,10 @@ use super::open::{open, particles};
 Examples:
   meniscus inspect where runs/drop 'density < 990 kg/m3 and surface == 0'
   meniscus inspect where runs/drop 'r < 2*size or speed > 3 m/s' --csv --fields speed,pressure
+  meniscus inspect where runs/drop 'surface == 2 and (z < 0 or r < 1 um)'
 
 Conditions compare expressions as in scenes, with < <= > >= == !=, and join them with not, and, or.
+`and` binds more than `or`; brackets go around values and around conditions.
 They know r, z, every field of the checkpoint, speed, size and pressure. Values have units.")]
 pub struct Arguments {
     /// A checkpoint, or the folder of a run: then its newest checkpoint
