@@ -1,6 +1,6 @@
 //! The region in units of the particle size, with its symmetries: axis and period.
 
-use super::{PackingError, PackingOptions};
+use super::{MOST_PARTICLES, PackingError, PackingOptions};
 use crate::region::Region;
 
 /// A point (r, z) in particle sizes.
@@ -12,9 +12,6 @@ pub(super) struct Source {
     pub point: Point,
     pub area: f64,
 }
-
-/// A larger number is taken for a mistake in the particle size.
-const MOST_PARTICLES: f64 = 1e8;
 
 pub(super) struct Domain<'a> {
     region: &'a dyn Region,

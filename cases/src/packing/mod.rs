@@ -115,6 +115,9 @@ pub enum PackingError {
     },
 }
 
+/// A larger number is taken for a mistake in the particle size.
+pub const MOST_PARTICLES: f64 = 1e8;
+
 /// From so many particles on most of them lie so deep that they know nothing of the surface.
 const LARGE: usize = 50_000;
 

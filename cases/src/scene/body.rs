@@ -3,6 +3,7 @@
 use super::diagnosis::Fault;
 use super::entry::Entry;
 use super::formula::Formula;
+use super::liquid::EquationOfState;
 use super::quantity::{DENSITY, Kind, SPECIFIC_ENERGY, VELOCITY};
 use super::section::Section;
 use super::shapes;
@@ -46,7 +47,11 @@ pub(super) const SAMPLES: usize = 64;
 
 /// Reads a body; `origin` is the radius of the scene's r = 0. Also hands back the entry of its
 /// shape, for later mistakes.
-pub(super) fn read<'a>(entry: Entry<'a>, origin: f64) -> Result<(Body, Entry<'a>), Fault> {
+pub(super) fn read<'a>(
+    entry: Entry<'a>,
+    origin: f64,
+    equation: EquationOfState,
+) -> Result<(Body, Entry<'a>), Fault> {
     let table = Section::new(entry, &["shape", "velocity", "density", "internal_energy"])?;
     let place = table.required("shape", "shape = { sphere = { radius = \"2.5 um\" } }")?;
     let shape = shapes::read(place.clone(), origin)?;
@@ -56,6 +61,11 @@ pub(super) fn read<'a>(entry: Entry<'a>, origin: f64) -> Result<(Body, Entry<'a>
     }
     let velocity = table.read_or("velocity", VelocityField::rest(), |entry| read_velocity(entry, &shape))?;
     let density = table.read_or("density", None, |entry| entry.positive(DENSITY).map(Some))?;
+    if let Some(entry) = table.optional("internal_energy").filter(|_| equation == EquationOfState::Linear) {
+        let message = "`internal_energy` belongs to another equation of state: a linear one knows no energy";
+        let help = "leave it out, or set equation_of_state = \"mie-grueneisen\" or \"ideal-gas\" in [liquid]";
+        return Err(entry.fault(message, help));
+    }
     let internal_energy = table.read_or("internal_energy", Formula::zero(), |entry| {
         entry.context.check_finite()?;
         finite_field(&entry, SPECIFIC_ENERGY, &shape)

@@ -3,7 +3,10 @@
 use super::diagnosis::Fault;
 use super::entry::Entry;
 use super::quantity::Short;
-use super::{Body, EquationOfState, Flux, Scene};
+use super::suggest;
+use super::{Body, EquationOfState, FOLLOWING, Flux, Scene, TimeIntegration};
+use crate::assemble::{Physics, assemble};
+use crate::packing::MOST_PARTICLES;
 use crate::region::Region;
 
 /// Where the parts stand that may be to blame.
@@ -16,10 +19,17 @@ pub(super) struct Places<'a> {
     pub(super) sound_speed: Entry<'a>,
     /// The viscosity, or the table that lacks it.
     pub(super) viscosity: Entry<'a>,
+    /// What colours the pictures, if the scene says so.
+    pub(super) colour: Option<Entry<'a>>,
+    /// The time integration, or the flux that does not fit it, if the scene names one.
+    pub(super) integration: Option<Entry<'a>>,
 }
 
 /// Particles that must fit into the smallest extent of every body.
 const FEWEST_PARTICLES: f64 = 10.0;
+
+/// Smallest extent of a body over its largest coordinate: so many digits are left for its particles.
+const FINEST: f64 = 1e-12;
 
 /// Numerical over physical viscosity that is worth a warning.
 const NOTABLE: f64 = 0.1;
@@ -32,7 +42,9 @@ const LINES: usize = 256;
 
 /// Checks a scene as a whole and hands back the doubts about it.
 pub(super) fn check(scene: &Scene, places: &Places<'_>) -> Result<Vec<Fault>, Fault> {
+    check_colour(scene, places.colour.as_ref())?;
     for (body, place) in scene.bodies.iter().zip(places.shapes) {
+        check_place(body, place)?;
         check_resolution(scene, body, places.size)?;
         check_period(scene, body, place)?;
     }
@@ -48,7 +60,37 @@ pub(super) fn check(scene: &Scene, places: &Places<'_>) -> Result<Vec<Fault>, Fa
     }
     let mut doubts = check_sound_speed(scene, &places.sound_speed)?;
     doubts.extend(doubt_of_viscosity(scene, &places.viscosity));
+    doubts.extend(places.integration.as_ref().and_then(|place| doubt_of_integration(scene, place)));
     Ok(doubts)
+}
+
+/// Pictures are coloured by what the scene's run has: a field of one of its stages, or what follows from fields.
+fn check_colour(scene: &Scene, place: Option<&Entry<'_>>) -> Result<(), Fault> {
+    // A pipeline that cannot be wired is told of where it is needed.
+    let (Some(place), Ok(assembly)) = (place, assemble(&Physics::of(scene))) else {
+        return Ok(());
+    };
+    let mut names: Vec<&str> = assembly.wiring.uses().iter().map(|used| used.field.name).collect();
+    names.extend(FOLLOWING);
+    names.sort_unstable();
+    names.dedup();
+    let asked = scene.output.colour_by.as_str();
+    if names.contains(&asked) {
+        return Ok(());
+    }
+    let message = format!("`{}` knows no `{asked}`", place.path);
+    Err(place.fault(message, suggest::help("fields of this scene", asked, &names)))
+}
+
+/// Far from z = 0 the numbers are too coarse for the body.
+fn check_place(body: &Body, place: &Entry<'_>) -> Result<(), Fault> {
+    let [_, farthest, bottom, top] = body.shape.bounds();
+    let farthest = farthest.max(bottom.abs()).max(top.abs());
+    if body.shape.smallest_extent() > FINEST * farthest {
+        return Ok(());
+    }
+    let message = format!("the body lies too far from z = 0 for its size, at {} m", Short(farthest));
+    Err(place.fault(message, "a number has sixteen digits: move the body nearer"))
 }
 
 fn check_resolution(scene: &Scene, body: &Body, size: &Entry<'_>) -> Result<(), Fault> {
@@ -56,7 +98,7 @@ fn check_resolution(scene: &Scene, body: &Body, size: &Entry<'_>) -> Result<(), 
     let fitting = extent / scene.particle_size;
     // A tenth, but for the rounding of the division.
     if fitting > FEWEST_PARTICLES * (1.0 - 1e-12) {
-        return Ok(());
+        return check_count(scene, body, size);
     }
     let message = format!(
         "the particles are too large: fewer than {FEWEST_PARTICLES} ({}) fit across the body's smallest extent, {} m",
@@ -65,6 +107,20 @@ fn check_resolution(scene: &Scene, body: &Body, size: &Entry<'_>) -> Result<(), 
     );
     let help = format!("choose a particle size of {} m or less", Short(ROUNDING * extent / FEWEST_PARTICLES));
     Err(size.fault(message, help))
+}
+
+fn check_count(scene: &Scene, body: &Body, size: &Entry<'_>) -> Result<(), Fault> {
+    let [area, _] = body.shape.moments();
+    let count = area / scene.particle_size.powi(2);
+    if count <= MOST_PARTICLES {
+        return Ok(());
+    }
+    let message = format!(
+        "the particles are too small: the body takes {} of them, more than {MOST_PARTICLES:e}",
+        Short(count)
+    );
+    let least = (area / MOST_PARTICLES).sqrt() / ROUNDING;
+    Err(size.fault(message, format!("choose a particle size of {} m or more", Short(least))))
 }
 
 fn check_period(scene: &Scene, body: &Body, place: &Entry<'_>) -> Result<(), Fault> {
@@ -120,11 +176,28 @@ fn check_sound_speed(scene: &Scene, place: &Entry<'_>) -> Result<Vec<Fault>, Fau
                 Short(given),
                 Short(speed)
             );
-            let help = format!("choose {} m/s or more, or \"auto\"", Short(10.0 * speed / ROUNDING));
+            // "auto" looks ahead: it is ten times what waves can become.
+            let help = format!(
+                "choose {} m/s or more, or \"auto\", which is {} m/s here",
+                Short(10.0 * speed / ROUNDING),
+                Short(scene.automatic_sound_speed())
+            );
             Ok(vec![place.fault(message, help)])
         }
         _ => Ok(Vec::new()),
     }
+}
+
+/// Euler's method makes waves grow, unless the first-order flux damps them.
+fn doubt_of_integration(scene: &Scene, place: &Entry<'_>) -> Option<Fault> {
+    let method = &scene.method;
+    let undamped = method.time_integration == TimeIntegration::Euler && method.flux != Flux::FirstOrder;
+    undamped.then(|| {
+        let message =
+            "the time integration \"euler\" needs the damping of the first-order flux: motion may grow";
+        let help = "choose flux = \"first-order\", or time_integration = \"adams-bashforth\"";
+        place.fault(message, help)
+    })
 }
 
 /// The first-order flux has a viscosity of its own, C H/16 with the support radius H = 4 theta D

@@ -44,7 +44,7 @@ pub(crate) use functions::legendre;
 pub use liquid::{EquationOfState, Liquid};
 pub use measures::Measure;
 pub use method::{FREE_SHIFTING, FREE_SHIFTING_THETA, Method, SHIFTING, SHIFTING_INTERVAL};
-pub use output::Output;
+pub use output::{FOLLOWING, Output};
 pub use quantity::{Dimension, Quantity};
 pub use values::Choice;
 
@@ -115,7 +115,11 @@ pub fn read(path: &Path, settings: &[String]) -> Result<Scene, Diagnosis> {
     let name = path.display().to_string();
     let text = std::fs::read_to_string(path).map_err(|error| {
         let message = format!("the scene {name} cannot be read: {error}");
-        Diagnosis::new(Severity::Error, message, "check the path of the scene".to_owned(), None)
+        let help = match error.kind() {
+            std::io::ErrorKind::InvalidData => "a scene is a text: save it in UTF-8",
+            _ => "check the path of the scene",
+        };
+        Diagnosis::new(Severity::Error, message, help.to_owned(), None)
     })?;
     parse(&name, &text, settings)
 }
@@ -157,8 +161,13 @@ impl Scene {
     /// The given sound speed in m/s, or ten times the fastest motion the scene can expect: the
     /// initial one, or the root of eight times the capillary velocity; never below that of its gas.
     pub fn derived_sound_speed(&self) -> f64 {
-        let fastest = || self.fastest_initial_speed().max(8.0_f64.sqrt() * self.capillary_velocity());
-        self.liquid.sound_speed.unwrap_or_else(|| self.gas_sound_speed().max(10.0 * fastest()))
+        self.liquid.sound_speed.unwrap_or_else(|| self.automatic_sound_speed())
+    }
+
+    /// The sound speed in m/s that the scene has where it gives none.
+    pub(crate) fn automatic_sound_speed(&self) -> f64 {
+        let fastest = self.fastest_initial_speed().max(8.0_f64.sqrt() * self.capillary_velocity());
+        self.gas_sound_speed().max(10.0 * fastest)
     }
 
     /// Highest speed of sound in m/s of an ideal gas at the start; 0 for a liquid.

@@ -4,6 +4,9 @@ use super::diagnosis::Fault;
 use super::entry::Entry;
 use super::section::Section;
 
+/// What colours pictures besides the fields, from which it follows.
+pub const FOLLOWING: [&str; 3] = ["speed", "size", "pressure"];
+
 /// What a run writes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Output {

@@ -121,24 +121,36 @@ impl fmt::Display for Short {
 pub(super) struct Kind {
     pub(super) name: &'static str,
     pub(super) dimension: Dimension,
+    /// The SI unit.
+    pub(super) unit: &'static str,
     pub(super) example: &'static str,
 }
 
 pub(super) const LENGTH: Kind =
-    Kind { name: "a length", dimension: Dimension::new(1, 0, 0), example: "2.5 um" };
-pub(super) const TIME: Kind = Kind { name: "a time", dimension: Dimension::new(0, 0, 1), example: "3 us" };
+    Kind { name: "a length", dimension: Dimension::new(1, 0, 0), unit: "m", example: "2.5 um" };
+pub(super) const TIME: Kind =
+    Kind { name: "a time", dimension: Dimension::new(0, 0, 1), unit: "s", example: "3 us" };
 pub(super) const VELOCITY: Kind =
-    Kind { name: "a velocity", dimension: Dimension::new(1, 0, -1), example: "150 m/s" };
+    Kind { name: "a velocity", dimension: Dimension::new(1, 0, -1), unit: "m/s", example: "150 m/s" };
 pub(super) const DENSITY: Kind =
-    Kind { name: "a density", dimension: Dimension::new(-3, 1, 0), example: "1000 kg/m3" };
-pub(super) const SURFACE_TENSION: Kind =
-    Kind { name: "a surface tension", dimension: Dimension::new(0, 1, -2), example: "0.074 N/m" };
+    Kind { name: "a density", dimension: Dimension::new(-3, 1, 0), unit: "kg/m3", example: "1000 kg/m3" };
+pub(super) const SURFACE_TENSION: Kind = Kind {
+    name: "a surface tension",
+    dimension: Dimension::new(0, 1, -2),
+    unit: "N/m",
+    example: "0.074 N/m",
+};
 pub(super) const VISCOSITY: Kind =
-    Kind { name: "a viscosity", dimension: Dimension::new(-1, 1, -1), example: "1 mPa s" };
-pub(super) const SPECIFIC_ENERGY: Kind =
-    Kind { name: "an energy per mass", dimension: Dimension::new(2, 0, -2), example: "100 J/kg" };
-pub(super) const RATE: Kind = Kind { name: "a rate", dimension: Dimension::new(0, 0, -1), example: "1 Hz" };
+    Kind { name: "a viscosity", dimension: Dimension::new(-1, 1, -1), unit: "Pa s", example: "1 mPa s" };
+pub(super) const SPECIFIC_ENERGY: Kind = Kind {
+    name: "an energy per mass",
+    dimension: Dimension::new(2, 0, -2),
+    unit: "J/kg",
+    example: "100 J/kg",
+};
+pub(super) const RATE: Kind =
+    Kind { name: "a rate", dimension: Dimension::new(0, 0, -1), unit: "Hz", example: "1 Hz" };
 pub(super) const SQUARED_RATE: Kind =
-    Kind { name: "a squared rate", dimension: Dimension::new(0, 0, -2), example: "1 Hz^2" };
+    Kind { name: "a squared rate", dimension: Dimension::new(0, 0, -2), unit: "Hz^2", example: "1 Hz^2" };
 pub(super) const NUMBER: Kind =
-    Kind { name: "a number without unit", dimension: Dimension::NONE, example: "0.5" };
+    Kind { name: "a number without unit", dimension: Dimension::NONE, unit: "", example: "0.5" };

@@ -53,7 +53,7 @@ pub(super) fn scene(name: &str, text: &str) -> Result<(Scene, Vec<Fault>), Fault
         .required("body", "[[body]] with shape = { sphere = { radius = \"2.5 um\" } }")?
         .elements("[[body]]")?
         .into_iter()
-        .map(|entry| body::read(entry, domain.origin))
+        .map(|entry| body::read(entry, domain.origin, liquid.equation_of_state))
         .collect::<Result<Vec<_>, _>>()?;
     context.check_finite()?;
     let (bodies, shapes): (Vec<_>, Vec<_>) = bodies.into_iter().unzip();
@@ -83,7 +83,15 @@ pub(super) fn scene(name: &str, text: &str) -> Result<(Scene, Vec<Fault>), Fault
         domain,
         warnings: Vec::new(),
     };
-    let places = checks::Places { shapes: &shapes, size: &size, sound_speed, viscosity };
+    let chosen = |key: &str| table.inner("method", key);
+    let places = checks::Places {
+        shapes: &shapes,
+        size: &size,
+        sound_speed,
+        viscosity,
+        colour: table.inner("output", "colour_by"),
+        integration: chosen("time_integration").or_else(|| chosen("flux")),
+    };
     let doubts = checks::check(&scene, &places)?;
     Ok((scene, doubts))
 }

@@ -61,6 +61,13 @@ impl<'a> Section<'a> {
         Some(Entry { context: self.context, path, span, node })
     }
 
+    /// The entry under a key of a table in this one, if it is there.
+    pub(super) fn inner(&self, table: &str, key: &str) -> Option<Entry<'a>> {
+        let Entry { context, path, span, node } = self.optional(table)?;
+        let Node::Table(table) = node else { return None };
+        Section { context, path, table, span }.optional(key)
+    }
+
     /// What `read` makes of the entry under a key, or `default` without one.
     ///
     /// # Errors

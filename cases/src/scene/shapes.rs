@@ -57,7 +57,12 @@ pub(super) fn read(entry: Entry<'_>, origin: f64) -> Result<Shape, Fault> {
 
 fn parts(entry: &Entry<'_>, origin: f64) -> Result<Vec<Shape>, Fault> {
     let example = "[{ sphere = { radius = \"2 um\" } }, { torus = { major = \"3 um\", minor = \"1 um\" } }]";
-    entry.elements(example)?.into_iter().map(|part| read(part, origin)).collect()
+    let listed = entry.elements(example)?;
+    if listed.is_empty() {
+        let message = format!("the {} lists no shapes", entry.key());
+        return Err(entry.fault(message, format!("write it like {example}")));
+    }
+    listed.into_iter().map(|part| read(part, origin)).collect()
 }
 
 fn primitive(entry: Entry<'_>, origin: f64) -> Result<Shape, Fault> {

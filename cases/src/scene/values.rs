@@ -3,7 +3,7 @@
 use super::diagnosis::Fault;
 use super::entry::Entry;
 use super::formula::Formula;
-use super::quantity::{Dimension, Kind, NUMBER, Short};
+use super::quantity::{Dimension, Kind, NUMBER, Quantity, Short};
 use super::suggest;
 
 /// A choice among names.
@@ -110,9 +110,12 @@ impl<'a> Entry<'a> {
         let message =
             format!("`{given}` is {described}; `{key}` expects {} such as {}", kind.name, example(kind));
         let help = match formula.constant() {
-            Some(quantity) if quantity.dimension == Dimension::NONE => {
-                let unit = kind.example.split_once(' ').map_or("", |(_, unit)| unit);
-                format!("add a unit: \"{} {unit}\"", Short(quantity.value))
+            // What has no unit is in SI units as likely as not.
+            Some(Quantity { value, dimension: Dimension::NONE }) if value.is_finite() => {
+                format!("add a unit: \"{} {}\" in SI units", Short(value), kind.unit)
+            }
+            Some(Quantity { value, .. }) if !value.is_finite() => {
+                format!("{} such as {} is expected", kind.name, example(kind))
             }
             _ => format!(
                 "give `{key}` a value in {}",

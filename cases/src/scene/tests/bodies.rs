@@ -24,7 +24,7 @@ fn shapes_are_not_empty() {
             "",
             "the difference is empty",
         ),
-        ("{ union = [] }", "", "the union is empty"),
+        ("{ union = [] }", "", "the union lists no shapes"),
         (
             "{ polygon = { points = [[\"1 um\", \"0 m\"], [\"2 um\", \"0 m\"]] } }",
             "",
@@ -83,6 +83,16 @@ fn fields_are_finite_and_bodies_apart() {
 }
 
 #[test]
+fn lists_of_shapes_are_not_empty() {
+    mistake_at(
+        &shaped("{ difference = [] }"),
+        22,
+        "[]",
+        &["the difference lists no shapes", "write it like"],
+    );
+}
+
+#[test]
 fn a_gas_has_its_own_keys() {
     let gas = changed(
         "equation_of_state = \"linear\"",
@@ -100,6 +110,8 @@ fn a_gas_has_its_own_keys() {
 fn keys_of_another_equation_of_state_are_refused() {
     let text = changed("sound_speed = \"sound_speed\"", "sound_speed = \"sound_speed\"\nheat_ratio = 1.4");
     assert!(parse("mixed.toml", &text, &[]).is_err());
+    let text = changed("velocity = {", "internal_energy = \"3 J/kg\"\nvelocity = {");
+    mistake(&text, &[], &["`internal_energy` belongs to another equation of state", "ideal-gas"]);
     let text = changed("\"linear\"", "\"mie-grueneisen\"\nadiabat_slope = 2\ngrueneisen = 2");
     // Its sound speed is not for the scene to derive.
     assert!(parse("auto.toml", &text, &[]).is_err());

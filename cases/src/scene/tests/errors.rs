@@ -91,7 +91,11 @@ fn quantities_have_their_unit() {
     let text = changed("particle_size = \"71.4 nm\"", "particle_size = \"71.4 nN\"");
     mistake_at(&text, 7, "\"71.4 nN\"", &["`71.4 nN` is a quantity in kg m s^-2; `size` expects a length"]);
     let text = changed("size = \"particle_size\"", "size = 2.5");
-    mistake_at(&text, 26, "2.5", &["`2.5` is a number without unit", "add a unit: \"2.5 um\""]);
+    mistake_at(&text, 26, "2.5", &["`2.5` is a number without unit", "add a unit: \"2.5 m\" in SI units"]);
+    let text = changed("size = \"particle_size\"", "size = 1e-7");
+    mistake_at(&text, 26, "1e-7", &["add a unit: \"1e-7 m\""]);
+    let text = changed("size = \"particle_size\"", "size = nan");
+    mistake_at(&text, 26, "nan", &["a length such as \"2.5 um\" is expected"]);
     let text = changed("z = \"amplitude*capillary_velocity*z/radius\"", "z = \"amplitude*z/radius\"");
     mistake_at(&text, 23, "\"amplitude*z/radius\"", &["is a number without unit; `z` expects a velocity"]);
     mistake_at(
@@ -138,9 +142,26 @@ fn values_stay_in_their_limits() {
         "\"1 um\"",
         &["fewer than 10 (5) fit across", "4.9995e-7 m or less"],
     );
+    mistake_at(&changed("\"71.4 nm\"", "\"1e-30 m\""), 7, "\"1e-30 m\"", &["more than 1e8", "or more"]);
+    let far = shaped("{ sphere = { radius = \"radius\", centre = \"1e300 m\" } }");
+    mistake(&far, &[], &["too far from z = 0"]);
     mistake_at(&changed("mode = 2", "mode = 1"), 11, "1", &["`mode` is 1", "whole number from 2"]);
     mistake_at(&changed("mode = 2", "s = 1"), 11, "s", &["`s` is a unit"]);
     mistake_at(&changed("mode = 2", "drop-mode = 1"), 11, "drop-mode", &["cannot name a parameter"]);
+}
+
+#[test]
+fn pictures_are_coloured_by_what_the_scene_has() {
+    let colour = |name: &str| changed("frames = 10", &format!("colour_by = \"{name}\""));
+    let expected = ["`output.colour_by` knows no `speeds`", "did you mean `speed`?", "`velocity_r`"];
+    mistake_at(&colour("speeds"), 37, "\"speeds\"", &expected);
+    for known in ["speed", "density", "surface"] {
+        super::read(&colour(known));
+    }
+    // Without surface tension there is no such pressure.
+    super::read(&colour("laplace_pressure"));
+    let dry = colour("laplace_pressure").replace("surface_tension = \"surface_tension\"", "");
+    mistake(&dry, &["sound_speed=100 m/s"], &["knows no `laplace_pressure`"]);
 }
 
 #[test]

@@ -2,6 +2,7 @@ use super::{EXAMPLE, changed, mistake, read, shaped};
 use crate::region::Region;
 use crate::scene::{AxisTreatment, Choice, Flux, Measure, Method, Scheme};
 use crate::shape::Shape;
+use miette::Diagnostic;
 
 fn close(value: f64, exact: f64) -> bool {
     (value - exact).abs() <= 1e-12 * exact.abs()
@@ -57,6 +58,18 @@ fn a_slow_sound_speed_is_doubted() {
             && warning.to_string().contains("below ten times the capillary velocity, 5.4406 m/s")
     );
     assert_eq!((warning.line(), warning.blamed()), (Some(10), Some("\"20 m/s\"")));
+    let help = warning.help().map(|help| help.to_string()).unwrap_or_default();
+    assert!(help.contains("\"auto\", which is 153.88 m/s here"), "{help}");
+}
+
+#[test]
+fn an_undamped_euler_method_is_doubted() {
+    let warnings = |choices: &str| read(&changed("theta = 0.5", choices)).warnings;
+    let alone = warnings("time_integration = \"euler\"");
+    assert_eq!(alone.len(), 1);
+    assert!(alone[0].to_string().contains("damping of the first-order flux"), "{}", alone[0]);
+    assert_eq!(alone[0].line(), Some(34));
+    assert!(warnings("time_integration = \"euler\"\nflux = \"first-order\"").is_empty());
 }
 
 #[test]
