@@ -119,6 +119,60 @@ fn pressures_are_whole() {
 }
 
 #[test]
+fn what_follows_from_fields_is_one_of_them() {
+    let run = run().to_str().unwrap();
+    let fields = json(&["fields", run, "density", "pressure", "speed", "size"]);
+    let of = |name: &str| fields.as_array().unwrap().iter().find(|field| field["name"] == name).unwrap();
+    // 2 sigma/R of the larger drop at least, and the smaller one's speed.
+    assert!(of("pressure")["maximum"].as_f64().unwrap() > 1.4e5, "{fields}");
+    assert!((of("speed")["maximum"].as_f64().unwrap() - 2.0).abs() < 0.2, "{fields}");
+    assert_eq!(of("size")["histogram"]["bins"].as_array().unwrap().len(), 20);
+    let summary = json(&[run, "--field", "pressure"]);
+    assert_eq!(summary["fields"][0]["unit"], "Pa");
+    assert!(said(&[run, "--csv", "--field", "speed"]).contains("speed,,m/s,derived"));
+}
+
+#[test]
+fn bad_ranges_and_targets_are_refused_by_name() {
+    let run = run().to_str().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let picture = folder.path().join("a.png");
+    let picture = picture.to_str().unwrap();
+    for range in
+        [&["--low", "1", "--high", "0"][..], &["--low", "nan"], &["--high", "inf"], &["--high", "-1"]]
+    {
+        let output = meniscus(&[&["inspect", "render", run, "speed", picture], range].concat());
+        assert_eq!(output.status.code(), Some(2), "{range:?}");
+    }
+    said(&["render", run, "speed", picture, "--low=-1"]);
+    for name in ["no/a.csv", "no/a.vtp", "no/a.npy"] {
+        let target = folder.path().join(name);
+        let output = meniscus(&["inspect", "export", run, target.to_str().unwrap()]);
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{error}");
+        assert!(error.contains(name) && !error.contains("unfinished"), "{error}");
+    }
+    let grouped = said(&["where", run, "(z > 2 um or r < 0.2 um) and not (r > 0.3 um)"]);
+    assert!(grouped.contains("particles"), "{grouped}");
+}
+
+#[test]
+fn a_summary_that_is_no_text_is_damaged() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join("checkpoints")).unwrap();
+    fs::write(folder.path().join("summary.json"), [0xff, 0xfe]).unwrap();
+    let output = meniscus(&["inspect", "verify", folder.path().to_str().unwrap()]);
+    let told = String::from_utf8(output.stdout).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{told}");
+    assert!(told.starts_with("DAMAGED") && told.contains("summary.json"), "{told}");
+    // What cannot be read at all is no damage.
+    let file = folder.path().join("summary.json");
+    fs::remove_file(&file).unwrap();
+    let output = meniscus(&["inspect", "verify", file.to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(2));
+}
+
+#[test]
 fn pictures_show_one_side_or_both() {
     let folder = tempfile::tempdir().unwrap();
     let width = |side: &str| {

@@ -4,13 +4,93 @@ use std::f64::consts::PI;
 
 use meniscus_cases::assemble::Physics;
 use meniscus_cases::scene::Scene;
-use meniscus_engine::checkpoint::{ColumnView, Mapped};
+use meniscus_engine::checkpoint::{CheckpointError, ColumnView, Mapped, Role};
 
 use super::failure::{Failure, known};
 use super::open;
 
 /// Quantities that no checkpoint needs to hold, with their units.
 pub const FOLLOWING: [(&str, &str); 3] = [("speed", "m/s"), ("size", "m"), ("pressure", "Pa")];
+
+/// What such a quantity is, in words.
+fn about(name: &str) -> &'static str {
+    match name {
+        "speed" => "magnitude of the velocity",
+        "size" => "root of the particle's area",
+        _ => "whole pressure, with the reference pressure",
+    }
+}
+
+/// A column that was asked for, or what follows from others.
+pub enum Chosen<'a> {
+    Column(ColumnView<'a>),
+    Following(Quantity),
+}
+
+impl Chosen<'_> {
+    pub fn name(&self) -> &str {
+        match self {
+            Chosen::Column(column) => column.name(),
+            Chosen::Following(quantity) => &quantity.name,
+        }
+    }
+
+    pub fn symbol(&self) -> &str {
+        match self {
+            Chosen::Column(column) => column.symbol(),
+            Chosen::Following(_) => "",
+        }
+    }
+
+    pub fn unit(&self) -> &str {
+        match self {
+            Chosen::Column(column) => column.unit(),
+            Chosen::Following(quantity) => &quantity.unit,
+        }
+    }
+
+    pub fn about(&self) -> &str {
+        match self {
+            Chosen::Column(column) => column.about(),
+            Chosen::Following(quantity) => about(&quantity.name),
+        }
+    }
+
+    /// Its role as people read it.
+    pub fn role(&self) -> &'static str {
+        match self {
+            Chosen::Column(column) if column.role() == Role::State => "state",
+            _ => "derived",
+        }
+    }
+
+    /// Shows all values piece by piece.
+    pub fn stream(&self, mapped: &Mapped, mut look: impl FnMut(&[f64])) -> Result<(), CheckpointError> {
+        match self {
+            Chosen::Column(column) => mapped.stream(column, look),
+            Chosen::Following(quantity) => {
+                look(&quantity.values);
+                Ok(())
+            }
+        }
+    }
+}
+
+/// The quantities of these names, or all columns where no name is given.
+pub fn choose<'a>(
+    mapped: &Mapped,
+    columns: &[ColumnView<'a>],
+    names: &[String],
+) -> Result<Vec<Chosen<'a>>, Failure> {
+    if names.is_empty() {
+        return Ok(columns.iter().copied().map(Chosen::Column).collect());
+    }
+    let chosen = names.iter().map(|name| match column(columns, name) {
+        Some(column) if name != "pressure" => Ok(Chosen::Column(column)),
+        _ => quantity(mapped, columns, name).map(Chosen::Following),
+    });
+    chosen.collect()
+}
 
 /// Values of a field or of what follows from others, one a particle.
 pub struct Quantity {

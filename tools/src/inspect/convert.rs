@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use meniscus_engine::checkpoint::{FORMAT_VERSION, Mapped, read, write};
 
-use super::export::refuse_existing;
+use super::export::check_target;
 use super::failure::{Failure, Verdict};
 use super::open::newest;
 use super::print;
@@ -36,7 +36,7 @@ pub struct Arguments {
 /// Writes the file, and says from which format to which.
 pub fn run(arguments: &Arguments, output: &mut dyn Write) -> Result<Verdict, Failure> {
     let path = &arguments.output;
-    refuse_existing(path, arguments.overwrite)?;
+    check_target(path, arguments.overwrite)?;
     let source = newest(&arguments.checkpoint)?;
     let found = Mapped::open(&source)?.format_version();
     // The writer gives the same bytes for the same content, so this copies a file of the newest format.

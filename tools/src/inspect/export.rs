@@ -34,8 +34,12 @@ pub struct Arguments {
     json: bool,
 }
 
-/// Refuses to write over a file that the user did not give up.
-pub fn refuse_existing(path: &Path, overwrite: bool) -> Result<(), Failure> {
+/// Refuses to write into no folder, or over a file that the user did not give up.
+pub fn check_target(path: &Path, overwrite: bool) -> Result<(), Failure> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
+        return Err(Failure::NoFolder { path: path.to_path_buf(), folder: folder.to_path_buf() });
+    }
     match path.exists() && !overwrite {
         true => Err(Failure::Exists { path: path.to_path_buf() }),
         false => Ok(()),
@@ -61,7 +65,7 @@ pub fn run(arguments: &Arguments, output: &mut dyn Write) -> Result<Verdict, Fai
         Some("npy") => write_array,
         _ => return Err(Failure::UnknownEnding { path: path.clone(), expected: ".vtp, .csv, .npy" }),
     };
-    refuse_existing(path, arguments.overwrite)?;
+    check_target(path, arguments.overwrite)?;
     let mapped = open(&arguments.checkpoint)?;
     write(path, &mapped.columns()?)?;
     tell_written(path, arguments.json, output)?;

@@ -47,12 +47,18 @@ pub enum Failure {
     NoParticle,
     #[error("{}: the name ends in none of {expected}; give the file one of these endings", path.display())]
     UnknownEnding { path: PathBuf, expected: &'static str },
+    #[error("{}: there is no folder `{}`; make it, or choose another name", path.display(), folder.display())]
+    NoFolder { path: PathBuf, folder: PathBuf },
+    #[error("the colours go from --low {low} to --high {high}: choose a --high above --low")]
+    Range { low: f64, high: f64 },
     #[error("{}: there is a file already; choose another name, or replace it with --overwrite", path.display())]
     Exists { path: PathBuf },
     #[error("{0}")]
     Condition(Diagnosis),
     #[error(transparent)]
     File(#[from] OutputError),
+    #[error(transparent)]
+    Unread(OutputError),
     #[error("cannot write the output: {0}; check what the output is connected to")]
     Output(#[from] io::Error),
 }

@@ -3,11 +3,11 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use meniscus_engine::checkpoint::{CheckpointError, ColumnView, Mapped, Role};
+use meniscus_engine::checkpoint::{CheckpointError, ColumnView, Mapped};
 use serde::Serialize;
 
-use super::columns::column;
-use super::failure::{Failure, Verdict, known};
+use super::columns::{Chosen, choose, column};
+use super::failure::{Failure, Verdict};
 use super::open::open;
 use super::print::{self, number};
 use super::statistics::{Gathering, Histogram, Statistics};
@@ -22,7 +22,7 @@ Examples:
 pub struct Arguments {
     /// A checkpoint, or the folder of a run: then its newest checkpoint
     checkpoint: PathBuf,
-    /// Fields to show, each with a histogram [default: all, without]
+    /// Fields to show, or speed, size, pressure, each with a histogram [default: all fields, without]
     fields: Vec<String>,
     /// Print JSON
     #[arg(long, conflicts_with = "csv")]
@@ -83,34 +83,22 @@ pub fn records(checkpoint: &Path, names: &[String], output: &mut dyn Write) -> R
 fn gather(checkpoint: &Path, names: &[String]) -> Result<Vec<Field>, Failure> {
     let mapped = open(checkpoint)?;
     let columns = mapped.columns()?;
-    let chosen = choose(&columns, names)?;
+    let chosen = choose(&mapped, &columns, names)?;
     let with_histogram = !names.is_empty();
-    chosen.iter().map(|column| field(&mapped, &columns, column, with_histogram)).collect()
+    chosen.iter().map(|chosen| field(&mapped, &columns, chosen, with_histogram)).collect()
 }
 
-/// The columns of these names, or all where no name is given.
-pub fn choose<'a>(columns: &[ColumnView<'a>], names: &[String]) -> Result<Vec<ColumnView<'a>>, Failure> {
-    if names.is_empty() {
-        return Ok(columns.to_vec());
-    }
-    let chosen = names.iter().map(|name| {
-        column(columns, name)
-            .ok_or_else(|| Failure::UnknownField { name: name.clone(), known: known(columns) })
-    });
-    chosen.collect()
-}
-
-/// What all values of a column amount to.
-pub fn gathered(mapped: &Mapped, of: &ColumnView<'_>) -> Result<Gathering, CheckpointError> {
+/// What all values of a field amount to.
+pub fn gathered(mapped: &Mapped, of: &Chosen<'_>) -> Result<Gathering, CheckpointError> {
     let mut gathering = Gathering::default();
-    mapped.stream(of, |values| gathering.add(values))?;
+    of.stream(mapped, |values| gathering.add(values))?;
     Ok(gathering)
 }
 
 fn field(
     mapped: &Mapped,
     columns: &[ColumnView<'_>],
-    of: &ColumnView<'_>,
+    of: &Chosen<'_>,
     with_histogram: bool,
 ) -> Result<Field, Failure> {
     let gathering = gathered(mapped, of)?;
@@ -119,7 +107,7 @@ fn field(
         false => None,
         true => {
             let mut histogram = Histogram::between(&statistics);
-            mapped.stream(of, |values| histogram.add(values))?;
+            of.stream(mapped, |values| histogram.add(values))?;
             Some(histogram)
         }
     };
@@ -134,20 +122,12 @@ fn field(
         symbol: of.symbol().to_owned(),
         unit: of.unit().to_owned(),
         about: of.about().to_owned(),
-        role: role(of.role()),
+        role: of.role(),
         statistics,
         minimum_at: places.map(|[least, _]| spot(least)),
         maximum_at: places.map(|[_, greatest]| spot(greatest)),
         histogram,
     })
-}
-
-/// A role as people read it.
-pub fn role(role: Role) -> &'static str {
-    match role {
-        Role::State => "state",
-        Role::Derived => "derived",
-    }
 }
 
 fn table(fields: &[Field]) -> Vec<Vec<String>> {

@@ -64,7 +64,7 @@ pub struct Arguments {
     /// A checkpoint, or the folder of a run: then its newest checkpoint
     #[arg(required = true)]
     checkpoint: Option<PathBuf>,
-    /// Show this field alone; may be given several times
+    /// Show this field (or speed, size, pressure) alone; may be given several times
     #[arg(long = "field", value_name = "NAME")]
     fields: Vec<String>,
     /// Show the particle nearest to a place, in metres or with units: '2 um,0'

@@ -41,30 +41,44 @@ pub fn table(head: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
 /// Prints the bars of a histogram.
 pub fn histogram(histogram: &Histogram, output: &mut dyn Write) -> io::Result<()> {
     let longest = histogram.bins.iter().map(|bin| bin.count).max();
+    // As many digits as tell the edges from each other.
+    let differ = |digits: &usize| {
+        histogram.bins.iter().all(|bin| rounded(bin.from, *digits) != rounded(bin.to, *digits))
+    };
+    let digits = (DIGITS..17).find(differ).unwrap_or(DIGITS);
+    let width = 13.max(digits + 7);
     for bin in &histogram.bins {
-        let (from, to) = (number(bin.from), number(bin.to));
+        let (from, to) = (rounded(bin.from, digits), rounded(bin.to, digits));
         // Rounded up: a bin with any value in it shows.
         let length = (bin.count * BAR).div_ceil(longest.unwrap_or(0).max(1));
         let bar = "█".repeat(length);
-        writeln!(output, "{from:>13} {to:>13} {:>9} {bar}", bin.count)?;
+        writeln!(output, "{from:>width$} {to:>width$} {:>9} {bar}", bin.count)?;
     }
     Ok(())
 }
 
+/// Digits of a number for people.
+const DIGITS: usize = 6;
+
 /// A number for people: up to six digits.
 pub fn number(value: f64) -> String {
+    rounded(value, DIGITS)
+}
+
+/// A number with up to so many digits.
+fn rounded(value: f64, digits: usize) -> String {
     if value.fract() == 0.0 && value.abs() < 1e9 {
         return format!("{value}");
     }
     if !(1e-2..1e6).contains(&value.abs()) {
-        let text = format!("{value:.5e}");
+        let text = format!("{value:.*e}", digits - 1);
         return match text.split_once('e') {
             Some((digits, exponent)) => format!("{}e{exponent}", trimmed(digits)),
             None => text,
         };
     }
     let before_point = value.abs().log10().floor() as i32;
-    let decimals = usize::try_from(5 - before_point).unwrap_or(0);
+    let decimals = usize::try_from(digits as i32 - 1 - before_point).unwrap_or(0);
     let text = format!("{value:.decimals$}");
     trimmed(&text).to_owned()
 }

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use super::columns::{quantity, sizes, values};
-use super::export::{refuse_existing, tell_written};
+use super::export::{check_target, tell_written};
 use super::failure::{Failure, Verdict};
 use super::open::{open, scene};
 use crate::output::colour::ColourMap;
@@ -30,10 +30,10 @@ pub struct Arguments {
     #[arg(long, value_enum)]
     side: Option<Side>,
     /// Value at the lower end of the colours, in the field's unit [default: the least]
-    #[arg(long, requires = "high", allow_hyphen_values = true)]
+    #[arg(long, value_parser = finite, allow_hyphen_values = true)]
     low: Option<f64>,
     /// Value at the upper end of the colours [default: the greatest]
-    #[arg(long, requires = "low", allow_hyphen_values = true)]
+    #[arg(long, value_parser = finite, allow_hyphen_values = true)]
     high: Option<f64>,
     /// Replace a file of that name
     #[arg(long)]
@@ -52,13 +52,30 @@ enum Side {
     One,
 }
 
+fn finite(text: &str) -> Result<f64, String> {
+    let number: Option<f64> = text.trim().parse().ok();
+    let number = number.filter(|number| number.is_finite());
+    number.ok_or_else(|| format!("found `{text}`, expected a number such as -1.5"))
+}
+
+/// The values at the ends of the colours where either is given; the other end is an extreme of the field.
+fn range(arguments: &Arguments, values: &[f64]) -> Result<Option<(f64, f64)>, Failure> {
+    if arguments.low.is_none() && arguments.high.is_none() {
+        return Ok(None);
+    }
+    let finite = || values.iter().copied().filter(|value| value.is_finite());
+    let low = arguments.low.unwrap_or_else(|| finite().fold(f64::INFINITY, f64::min));
+    let high = arguments.high.unwrap_or_else(|| finite().fold(f64::NEG_INFINITY, f64::max));
+    if low >= high { Err(Failure::Range { low, high }) } else { Ok(Some((low, high))) }
+}
+
 /// Draws the picture.
 pub fn run(arguments: &Arguments, output: &mut dyn Write) -> Result<Verdict, Failure> {
     let path = &arguments.output;
     if path.extension().is_none_or(|ending| ending != "png") {
         return Err(Failure::UnknownEnding { path: path.clone(), expected: ".png" });
     }
-    refuse_existing(path, arguments.overwrite)?;
+    check_target(path, arguments.overwrite)?;
     let mapped = open(&arguments.checkpoint)?;
     let columns = mapped.columns()?;
     let scene = scene(&mapped);
@@ -68,7 +85,7 @@ pub fn run(arguments: &Arguments, output: &mut dyn Write) -> Result<Verdict, Fai
     let r: Vec<f64> = r.iter().map(|r| r + origin).collect();
     let diameter = sizes(&columns, scene.as_ref())?;
     let particles = Particles { r: &r, z: &z, diameter: &diameter };
-    let range = arguments.low.zip(arguments.high);
+    let range = range(arguments, &shown.values)?;
     let mirrored = arguments.side.map(|side| side == Side::Both);
     let picture = Picture {
         title: scene.as_ref().map_or("", |scene| &scene.title),

@@ -10,8 +10,9 @@ use meniscus_engine::checkpoint::Mapped;
 use serde::Serialize;
 
 use super::around;
+use super::columns::choose;
 use super::failure::{Failure, Verdict};
-use super::fields::{choose, gathered, role};
+use super::fields::gathered;
 use super::open::{self, newest};
 use super::print::{self, number};
 use super::statistics::Statistics;
@@ -121,16 +122,16 @@ fn columns(mapped: &Mapped, names: &[String], summary: &mut Summary) -> Result<(
     }
     let columns = mapped.columns()?;
     summary.particles = Some(open::particles(&columns));
-    for column in choose(&columns, names)? {
+    for field in choose(mapped, &columns, names)? {
         let statistics = match summary.whole {
-            Some(true) => Some(gathered(mapped, &column)?.statistics()),
+            Some(true) => Some(gathered(mapped, &field)?.statistics()),
             _ => None,
         };
         summary.fields.push(Field {
-            name: column.name().to_owned(),
-            unit: column.unit().to_owned(),
-            role: role(column.role()),
-            about: column.about().to_owned(),
+            name: field.name().to_owned(),
+            unit: field.unit().to_owned(),
+            role: field.role(),
+            about: field.about().to_owned(),
             statistics,
         });
     }

@@ -89,6 +89,14 @@ fn is_damage(failure: &Failure) -> bool {
     }
 }
 
+/// A file that cannot be read is no damaged one.
+fn unread(error: OutputError) -> Failure {
+    match error {
+        OutputError::File { .. } => Failure::Unread(error),
+        other => Failure::File(other),
+    }
+}
+
 /// A file itself; of a run's folder all checkpoints, oldest first, its series and its summary.
 fn files(named: &Path) -> Result<Vec<PathBuf>, Failure> {
     if !named.is_dir() {
@@ -113,10 +121,10 @@ fn files(named: &Path) -> Result<Vec<PathBuf>, Failure> {
 fn check(file: &Path) -> Result<String, Failure> {
     let name = file.file_name().and_then(|name| name.to_str());
     if name == Some("series.csv") {
-        return Ok(format!("{} rows", series::read(file)?.rows.len()));
+        return Ok(format!("{} rows", series::read(file).map_err(unread)?.rows.len()));
     }
     if name == Some("summary.json") {
-        return Ok(format!("{} steps", summary::Summary::read(file)?.steps));
+        return Ok(format!("{} steps", summary::Summary::read(file).map_err(unread)?.steps));
     }
     let mapped = Mapped::open(file)?;
     mapped.verify()?;

@@ -23,6 +23,15 @@ pub(crate) fn write_atomic(
     replace(path, content).map_err(OutputError::file("write", path))
 }
 
+/// Reads a text.
+///
+/// # Errors
+/// When the file cannot be read, or is no text.
+pub(super) fn read_text(path: &Path) -> OutputResult<String> {
+    let bytes = std::fs::read(path).map_err(OutputError::file("read", path))?;
+    String::from_utf8(bytes).map_err(|error| OutputError::content(path, format!("no text: {error}")))
+}
+
 fn replace(path: &Path, content: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> io::Result<()> {
     let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
@@ -36,7 +45,8 @@ fn replace(path: &Path, content: impl FnOnce(&mut BufWriter<File>) -> io::Result
     let permissions = std::os::unix::fs::PermissionsExt::from_mode(0o666);
     #[cfg(unix)]
     builder.permissions(permissions);
-    let temporary = builder.tempfile_in(folder)?;
+    // The error's own text names the temporary file, which is nobody's concern.
+    let temporary = builder.tempfile_in(folder).map_err(|error| io::Error::from(error.kind()))?;
     let (file, temporary_path) = temporary.into_parts();
     let mut writer = BufWriter::with_capacity(1 << 18, file);
     content(&mut writer)?;

@@ -5,11 +5,11 @@
 //! be read back bit for bit. A row ends with its line feed: what follows the
 //! last one was cut off and is no row.
 
-use std::fs::{self, File, OpenOptions};
+use std::fs::{File, OpenOptions};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use super::atomic::write_atomic;
+use super::atomic::{read_text, write_atomic};
 use super::units::{labelled, split_label};
 use super::{OutputError, OutputResult};
 
@@ -118,7 +118,7 @@ impl SeriesWriter {
 /// # Errors
 /// When the file is missing or no series; the sentence names the row.
 pub fn read(path: &Path) -> OutputResult<Series> {
-    let mut text = fs::read_to_string(path).map_err(OutputError::file("read", path))?;
+    let mut text = read_text(path)?;
     text.truncate(text.rfind('\n').map_or(0, |end| end + 1));
     let mut reader = csv::Reader::from_reader(text.as_bytes());
     let wrong = |error: csv::Error| OutputError::content(path, error.to_string());
@@ -180,6 +180,7 @@ fn decode_row(record: &csv::StringRecord) -> Option<Row> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
 
     const COLUMNS: [(&str, &str); 3] = [("time", "s"), ("kinetic energy", "J"), ("shape", "1")];
 

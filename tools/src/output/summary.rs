@@ -1,13 +1,12 @@
 //! `summary.json`: the machine-readable result of a run, and its table for
 //! people.
 
-use std::fs;
 use std::io::Write;
 use std::path::Path;
 
 use serde::{Deserialize, Deserializer, Serialize};
 
-use super::atomic::write_atomic;
+use super::atomic::{read_text, write_atomic};
 use super::{OutputError, OutputResult};
 pub use profile::{PairSpeed, Profile, StageProfile};
 pub use table::print_table;
@@ -42,7 +41,7 @@ pub struct Summary {
     pub cpu_seconds: f64,
     /// Number of threads.
     pub threads: usize,
-    /// Elapsed nanoseconds per particle and step.
+    /// Elapsed nanoseconds per particle and step; no number where no step was taken.
     #[serde(deserialize_with = "number")]
     pub ns_per_particle_step: f64,
     /// Processor nanoseconds of all threads per particle and step.
@@ -77,6 +76,17 @@ pub enum Status {
     Failed,
     /// It was stopped after a clean checkpoint.
     Interrupted,
+}
+
+impl Status {
+    /// The word for it in files.
+    pub fn word(self) -> &'static str {
+        match self {
+            Status::Done => "done",
+            Status::Failed => "failed",
+            Status::Interrupted => "interrupted",
+        }
+    }
 }
 
 /// The cost of one stage of the step.
@@ -149,7 +159,7 @@ impl Summary {
     /// # Errors
     /// When the file is missing or no summary; the sentence names the place.
     pub fn read(path: &Path) -> OutputResult<Self> {
-        let text = fs::read_to_string(path).map_err(OutputError::file("read", path))?;
+        let text = read_text(path)?;
         serde_json::from_str(&text)
             .map_err(|error| OutputError::content(path, format!("no summary of a run: {error}")))
     }
@@ -158,6 +168,7 @@ impl Summary {
 #[cfg(test)]
 pub(in crate::output) mod tests {
     use super::*;
+    use std::fs;
 
     pub(in crate::output) fn example() -> Summary {
         let stage = |name: &str, seconds: f64| StageCost {

@@ -92,6 +92,7 @@ fn all_forms_of_the_command_are_understood() {
         &["top", "file", "speed", "--smallest"],
         &["where", "file", "r < 1 um"],
         &["render", "file", "speed", "a.png", "--low", "-1", "--high", "1"],
+        &["render", "file", "speed", "a.png", "--high", "1"],
         &["export", "file", "a.npy"],
         &["diagnose", "file", "--json"],
         &["verify", "a", "b"],
@@ -106,7 +107,7 @@ fn all_forms_of_the_command_are_understood() {
         &["fields", "file", "--json", "--csv"],
         &["at", "file", "1"],
         &["at", "file", "1 km", "2"],
-        &["render", "file", "speed", "a.png", "--low", "1"],
+        &["render", "file", "speed", "a.png", "--low", "nan"],
         &["verify"],
         &["diff", "a"],
         &["diff", "a", "b", "--tolerance", "-1"],
@@ -162,7 +163,7 @@ fn one_field_and_one_place_are_shown_to_scripts() {
         serde_json::from_str(&good(&[&run, "--at", "0,2.2um", "--field", "mass", "--json"])).unwrap();
     assert_eq!(json["particles"][0]["particle"], 12);
     assert_eq!(json["particles"][0]["mass"], 2.0);
-    let message = inspect(&[&run, "--field", "pressure"]).1.unwrap_err().to_string();
+    let message = inspect(&[&run, "--field", "tension"]).1.unwrap_err().to_string();
     assert!(message.contains("`pressure`") && message.contains("`density`"));
 }
 
@@ -178,7 +179,11 @@ fn fields_come_with_their_statistics() {
     assert!(output.contains('█') && output.contains("The axial."));
     assert!(output.contains("maximum at particle 13, r = 1e-6 m, z = 3e-6 m"), "{output}");
     assert!(!output.contains("density"), "{output}");
+    let speeds = good(&["fields", &run, "speed"]);
+    assert!(speeds.contains("speed") && speeds.contains("magnitude of the velocity"), "{speeds}");
     let (_, result) = inspect(&["fields", &run, "pressure"]);
+    assert!(result.unwrap_err().to_string().contains("scene"), "a pressure needs the equation of state");
+    let (_, result) = inspect(&["fields", &run, "tension"]);
     let message = result.unwrap_err().to_string();
     assert!(message.contains("`pressure`") && message.contains("`density`"));
     let csv = good(&["fields", &run, "--csv", "axial"]);

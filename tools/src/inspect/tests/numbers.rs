@@ -1,6 +1,6 @@
 //! Numbers for people, and numbers that sum up a field.
 
-use super::super::print::number;
+use super::super::print::{self, number};
 use super::super::statistics::{Gathering, Histogram};
 
 #[test]
@@ -45,6 +45,21 @@ fn statistics_survive_awkward_values() {
     let none = gathered(&[f64::NAN], 1).statistics();
     assert_eq!(none.mean, None);
     assert!(Histogram::between(&none).bins.is_empty());
+}
+
+#[test]
+fn the_edges_of_bars_can_be_told_apart() {
+    let values = [999.9990, 999.9995, 1000.0, 1000.0008];
+    let mut histogram = Histogram::between(&gathered(&values, 4).statistics());
+    histogram.add(&values);
+    let mut text = Vec::new();
+    print::histogram(&histogram, &mut text).unwrap();
+    let text = String::from_utf8(text).unwrap();
+    for line in text.lines() {
+        let mut edges = line.split_whitespace();
+        assert_ne!(edges.next(), edges.next(), "{text}");
+    }
+    assert!(text.contains("999.99918"), "{text}");
 }
 
 #[test]
