@@ -1,6 +1,6 @@
 //! The command line: its arguments, and what each subcommand calls.
 
-use std::io;
+use std::io::{self, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -169,12 +169,23 @@ pub fn main() -> ExitCode {
         Command::Study(arguments) => study::study(&arguments),
         Command::Inspect(arguments) => Ok(inspect::run(&arguments)),
         Command::Completions { shell } => {
-            let mut command = Arguments::command();
-            clap_complete::generate(shell, &mut command, "meniscus", &mut io::stdout());
-            Ok(ExitCode::SUCCESS)
+            let (mut command, mut text) = (Arguments::command(), Vec::new());
+            clap_complete::generate(shell, &mut command, "meniscus", &mut text);
+            print(&String::from_utf8_lossy(&text)).map(|()| ExitCode::SUCCESS)
         }
     };
     done.unwrap_or_else(|failure| failure.tell())
+}
+
+/// Prints to standard output. A reader that has gone is no failure.
+pub(crate) fn print(text: &str) -> Result<(), Failure> {
+    let mut output = io::stdout().lock();
+    match output.write_all(text.as_bytes()).and_then(|()| output.flush()) {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(Failure::on_the_way(format!(
+            "cannot write the output: {error}; check what the output is connected to"
+        ))),
+        _ => Ok(()),
+    }
 }
 
 /// Threads for the whole work of a command.

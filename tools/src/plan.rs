@@ -8,9 +8,9 @@ use meniscus_cases::assemble::{Physics, assemble};
 use meniscus_cases::scene::{self, Scene};
 use meniscus_engine::wiring::{Access, Wiring};
 
-use crate::command::{PlanArguments, pool};
+use crate::command::{PlanArguments, pool, print};
 use crate::failure::Failure;
-use crate::output::units::{duration, grouped, quantity};
+use crate::output::units::{counted, duration, quantity};
 use calibration::calibrate;
 
 /// Prints the plan of a scene.
@@ -20,11 +20,10 @@ pub(crate) fn plan(arguments: &PlanArguments) -> Result<ExitCode, Failure> {
         eprintln!("{:?}", miette::Report::new(warning.clone()));
     }
     let pool = pool(arguments.threads)?;
-    println!("{}\n", scene.title);
-    print_stages(&scene)?;
-    pool.install(|| print_costs(&scene))?;
+    print(&format!("{}\n\n{}", scene.title, stages(&scene)?))?;
+    print(&pool.install(|| costs(&scene))?)?;
     if arguments.fields {
-        print_fields(&assembled(&scene)?.wiring);
+        print(&fields(&assembled(&scene)?.wiring))?;
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -33,18 +32,20 @@ fn assembled(scene: &Scene) -> Result<meniscus_cases::assemble::Assembly, Failur
     assemble(&Physics::of(scene)).map_err(|error| Failure::on_the_way(error.to_string()))
 }
 
-fn print_stages(scene: &Scene) -> Result<(), Failure> {
+/// The stages that are in and those that are out, with the reasons.
+fn stages(scene: &Scene) -> Result<String, Failure> {
     let plan = assembled(scene)?.plan;
+    let mut text = String::new();
     for (heading, present) in [("stages of a step", true), ("left out", false)] {
-        println!("{heading}");
+        text += &format!("{heading}\n");
         for line in plan.iter().filter(|line| line.present == present) {
-            println!("  {:<22} {}", line.stage, line.reason);
+            text += &format!("  {:<22} {}\n", line.stage, line.reason);
         }
         if plan.iter().all(|line| line.present != present) {
-            println!("  none");
+            text += "  none\n";
         }
     }
-    Ok(())
+    Ok(text)
 }
 
 /// Where the sound speed comes from, in a sentence.
@@ -64,47 +65,47 @@ pub(crate) fn sound_speed_sentence(scene: &Scene) -> String {
     format!("sound speed {speed}, ten times {cause}, {fastest}")
 }
 
-/// Fills the scene and runs a piece of it.
-fn print_costs(scene: &Scene) -> Result<(), Failure> {
+/// Fills the scene and runs a piece of it: what the whole would cost.
+fn costs(scene: &Scene) -> Result<String, Failure> {
     let costs = calibrate(scene)?;
     let world = &costs.simulation.world;
     let particles = world.store.len() as u64;
     let bounds = world.clock.bounds_met().iter();
     let bound = bounds.max_by_key(|(_, count)| *count).map_or("", |(reason, _)| reason.as_ref());
-    println!("\n{}", sound_speed_sentence(scene));
-    println!("{} particles of {}", grouped(particles), quantity(scene.particle_size, "m", 3));
-    println!("time step {}, bounded as {bound}", quantity(costs.step_size, "s", 3));
-    println!("about {} steps to {}", grouped(costs.steps), quantity(scene.until, "s", 4));
-    println!("memory about {} MB", quantity(costs.simulation.bytes() as f64 / 1e6, "", 3));
-    println!(
-        "about {} on {} (measured over {})",
-        duration(costs.seconds()),
-        counted(rayon::current_num_threads(), "thread"),
-        duration(costs.measured),
-    );
-    println!(
-        "  {} until the particles are placed, {} for the steps, {} for pictures",
-        duration(costs.start_seconds),
-        duration(costs.step_seconds * costs.steps as f64),
-        duration(costs.picture_seconds),
-    );
-    println!("  a particle and step: {}", quantity(costs.step_seconds / particles as f64, "s", 3));
-    Ok(())
+    let lines = [
+        String::new(),
+        sound_speed_sentence(scene),
+        format!("{} of {}", counted(particles, "particle"), quantity(scene.particle_size, "m", 3)),
+        format!("time step {}, bounded as {bound}", quantity(costs.step_size, "s", 3)),
+        format!("about {} to {}", counted(costs.steps, "step"), quantity(scene.until, "s", 4)),
+        format!("memory about {} MB", quantity(costs.simulation.bytes() as f64 / 1e6, "", 3)),
+        format!(
+            "about {} on {} (measured over {})",
+            duration(costs.seconds()),
+            counted(rayon::current_num_threads() as u64, "thread"),
+            duration(costs.measured),
+        ),
+        format!(
+            "  {} until the particles are placed, {} for the steps, {} for pictures",
+            duration(costs.start_seconds),
+            duration(costs.step_seconds * costs.steps as f64),
+            duration(costs.picture_seconds),
+        ),
+        format!("  a particle and step: {}", quantity(costs.step_seconds / particles as f64, "s", 3)),
+    ];
+    Ok(lines.join("\n") + "\n")
 }
 
-fn counted(number: usize, thing: &str) -> String {
-    format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
-}
-
-fn print_fields(wiring: &Wiring) {
-    println!("\nfields");
+/// Every field, and who writes and reads it.
+fn fields(wiring: &Wiring) -> String {
+    let mut text = "\nfields\n".to_owned();
     let mut names = Vec::new();
     for used in wiring.uses() {
         if names.contains(&used.field.name) {
             continue;
         }
         names.push(used.field.name);
-        println!("  {} [{}] {}", used.field.name, used.field.unit, used.field.about);
+        text += &format!("  {} [{}] {}\n", used.field.name, used.field.unit, used.field.about);
         for (verb, accesses) in [
             ("written by", [Access::Write, Access::Update, Access::Add]),
             ("read by", [Access::Read, Access::Update, Access::Read]),
@@ -117,8 +118,9 @@ fn print_fields(wiring: &Wiring) {
                 }
             }
             if !stages.is_empty() {
-                println!("      {verb} {}", stages.join(", "));
+                text += &format!("      {verb} {}\n", stages.join(", "));
             }
         }
     }
+    text
 }

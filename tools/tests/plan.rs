@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 /// A drop whose run takes a second or two: the trial sees a part of it.
 const DROP: &str = r#"format = 1
@@ -67,4 +67,26 @@ fn a_plan_foretells_steps_and_time_and_writes_nothing() {
     // Idle machines come within a quarter; other work on this one may begin or end in between.
     let (told, took) = (seconds(about(&plan, " on 1 thread")), summary["wall_seconds"].as_f64().unwrap());
     assert!(told > took / 3.0 && told < took * 3.0, "{told} s were foretold, the run took {took} s");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_plan_that_nobody_reads_is_no_error_and_one_that_cannot_be_written_is() {
+    let place = tempfile::tempdir().unwrap();
+    fs::write(place.path().join("drop.toml"), DROP).unwrap();
+    let plan = |output: Stdio| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_meniscus"));
+        command.args(["plan", "drop.toml", "--threads", "1"]).current_dir(place.path());
+        command.stdout(output).stderr(Stdio::piped()).spawn().unwrap()
+    };
+    let mut child = plan(Stdio::piped());
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert!(output.status.success() && output.stderr.is_empty(), "{output:?}");
+    if let Ok(full) = fs::OpenOptions::new().write(true).open("/dev/full") {
+        let output = plan(full.into()).wait_with_output().unwrap();
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(1), "{error}");
+        assert!(error.contains("cannot write the output"), "{error}");
+    }
 }

@@ -93,6 +93,11 @@ pub fn grouped(number: u64) -> String {
     text
 }
 
+/// A number of things: "1 step", "1 234 steps".
+pub fn counted(number: u64, thing: &str) -> String {
+    format!("{} {thing}{}", grouped(number), if number == 1 { "" } else { "s" })
+}
+
 /// A label and its unit: "time \[µs\]"; no brackets where there is no unit.
 pub fn labelled(name: &str, unit: &str) -> String {
     match unit {
@@ -171,6 +176,7 @@ mod tests {
         assert_eq!(significant(0.012345, 3), "0.0123");
         assert_eq!(grouped(1_234_567), "1 234 567");
         assert_eq!(grouped(12), "12");
+        assert_eq!([counted(1, "step"), counted(1200, "step")], ["1 step", "1 200 steps"]);
         assert_eq!(split_label("time [s]"), ("time", "s"));
         assert_eq!(split_label("cycles"), ("cycles", ""));
         assert_eq!(labelled("cycles", "1"), "cycles");
