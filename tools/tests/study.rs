@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 
 /// A very coarse drop that moves for a moment.
 const DROP: &str = r#"format = 1
@@ -47,6 +47,7 @@ fn a_study_leaves_its_table_plot_and_page() {
     let (code, said) = meniscus(folder.path(), &arguments);
     assert_eq!(code, Some(0), "{said}");
     assert!(said.contains("laplace-pressure") && said.contains("in all"), "{said}");
+    assert!(!said.contains(" 0.0 "), "small costs have digits: {said}");
     let out = folder.path().join("out");
     for file in ["study.csv", "study.json", "study.png", "study.svg", "study.html", "runs/run-4/summary.json"]
     {
@@ -56,6 +57,7 @@ fn a_study_leaves_its_table_plot_and_page() {
     let table = fs::read_to_string(out.join("study.csv")).unwrap();
     assert_eq!(table.lines().count(), 5, "{table}");
     assert!(table.starts_with("particle_size,method.theta,laplace-pressure,"), "{table}");
+    assert_eq!(table.matches(",done\n").count(), 4, "{table}");
     let page = fs::read_to_string(out.join("study.html")).unwrap();
     assert_eq!(page.matches("<circle").count(), 6, "two lines of two points, and their marks in the legend");
     let (code, said) = meniscus(folder.path(), &arguments);
@@ -71,6 +73,8 @@ fn bad_input_is_refused_before_anything_runs() {
         &["study", "drop.toml", "--vary", "particle_size"],
         &["study", "drop.toml", "--vary", "particle_size=400 nm,1 kg"],
         &["study", "drop.toml", "--vary", "radius=1 um", "--set", "radius=2 um"],
+        &["study", "drop.toml", "--vary", "particle_size=400 nm,1e-30 m"],
+        &["study", "drop.toml", "--vary", "output.colour_by=speed,mood"],
         &["study", "missing.toml", "--vary", "radius=1 um"],
         &["verify"],
         &["verify", "--level", "best"],
@@ -79,4 +83,45 @@ fn bad_input_is_refused_before_anything_runs() {
         assert_eq!(code, Some(2), "{arguments:?}: {said}");
         assert!(!folder.path().join("runs").exists());
     }
+}
+
+#[test]
+fn what_was_done_before_a_scene_that_cannot_start_is_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("drop.toml"), DROP).unwrap();
+    let shapes = r#"body.0.shape={ sphere = { radius = "radius" } },
+        { polygon = { points = [["1 um", "0 um"], ["5 um", "4 um"], ["5 um", "4.0001 um"]] } }"#;
+    let (code, said) = meniscus(folder.path(), &["study", "drop.toml", "--vary", shapes, "--out", "out"]);
+    assert_eq!(code, Some(2), "{said}");
+    assert!(said.contains("cannot be filled") && said.contains("interrupted after 1 of 2 runs"), "{said}");
+    let table = fs::read_to_string(folder.path().join("out/study.csv")).unwrap();
+    assert_eq!(table.matches(",done\n").count(), 1, "{table}");
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_run_is_marked_and_doubts_are_told_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    fs::write(path.join("drop.toml"), DROP).unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_meniscus"));
+    command.args(["study", "drop.toml", "--vary", "run.until=100 ns,1 s,2 s", "--out", "out", "--quiet"]);
+    command.args(["--set", "liquid.sound_speed=50 m/s", "--threads", "1"]).current_dir(path);
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let rows =
+        || fs::read_to_string(path.join("out/runs/run-2/series.csv")).map_or(0, |text| text.lines().count());
+    while rows() < 3 && child.try_wait().unwrap().is_none() {
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    let Output { status, stdout, stderr } = child.wait_with_output().unwrap();
+    let [out, error] = [stdout, stderr].map(|text| String::from_utf8_lossy(&text).into_owned());
+    assert_eq!(status.code(), Some(130), "{error}");
+    assert!(error.contains("interrupted after 1 of 3 runs"), "{error}");
+    assert_eq!(error.matches('⚠').count(), 1, "{error}");
+    assert_eq!(out.matches("interrupted").count(), 1, "{out}");
+    let table = fs::read_to_string(path.join("out/study.csv")).unwrap();
+    assert!(table.contains(",done\n") && table.ends_with(",interrupted\n"), "{table}");
+    let page = fs::read_to_string(path.join("out/study.html")).unwrap();
+    assert!(page.contains("interrupted after 1 of 3 runs"), "{page}");
 }

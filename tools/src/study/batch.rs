@@ -61,15 +61,25 @@ pub(crate) fn prepare(out: &Path, overwrite: bool, sign: &str) -> Result<(), Fai
 }
 
 /// Runs all scenes into `runs/` of a folder; after an interruption the rest is left out, and the
-/// interrupted run is the last one.
+/// interrupted run is the last one. Hands back what the runs have given, and why no more of them could be run.
 pub(crate) fn run_all(
     jobs: &[Job],
     out: &Path,
     (pool, quiet): (&rayon::ThreadPool, bool),
-) -> Result<Vec<Summary>, Failure> {
+) -> (Vec<Summary>, Result<(), Failure>) {
+    let mut summaries = Vec::new();
+    let done = run_each(jobs, out, (pool, quiet), &mut summaries);
+    (summaries, done)
+}
+
+fn run_each(
+    jobs: &[Job],
+    out: &Path,
+    (pool, quiet): (&rayon::ThreadPool, bool),
+    summaries: &mut Vec<Summary>,
+) -> Result<(), Failure> {
     let signals = run::listen()?;
     let work: Vec<f64> = jobs.iter().map(Job::work).collect();
-    let mut summaries = Vec::new();
     for (index, job) in jobs.iter().enumerate() {
         let folder = RunFolder::create(out.join("runs").join(&job.name), true)?;
         let later = work[index + 1..].iter().sum::<f64>() / work[index];
@@ -83,5 +93,5 @@ pub(crate) fn run_all(
             break;
         }
     }
-    Ok(summaries)
+    Ok(())
 }

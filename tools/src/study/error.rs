@@ -1,6 +1,7 @@
 //! How far a measure is from what is exact, and how fast it gets nearer.
 
 use crate::output::summary::Summary;
+use crate::output::units::quantity;
 
 /// A measured number with its error.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -15,6 +16,16 @@ pub(crate) struct Measured {
     pub(crate) exact: Option<f64>,
     /// Relative to the exact value; the value itself where zero is exact.
     pub(crate) error: Option<f64>,
+}
+
+impl Measured {
+    /// The value with its unit.
+    pub(crate) fn shown(&self) -> String {
+        match self.value.is_nan() {
+            true => "not reached".to_owned(),
+            false => quantity(self.value, &self.unit, 4),
+        }
+    }
 }
 
 /// Changes of conserved quantities, which count as measures whose exact value is zero.
@@ -84,6 +95,14 @@ pub(crate) fn percent(error: f64) -> String {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
+
+    #[test]
+    fn what_was_not_reached_is_told_in_words() {
+        let mut summary = fake("frequency", f64::NAN, 1.0);
+        assert_eq!(measured(&summary, "frequency").unwrap().shown(), "not reached");
+        summary.measures[0].value = 1.5;
+        assert_eq!(measured(&summary, "frequency").unwrap().shown(), "1.500 Hz");
+    }
     use crate::output::summary::{Conservation, Measure, Status};
 
     /// A summary with one measure against an exact value.

@@ -8,7 +8,7 @@ mod variation;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use crate::command::pool;
+use crate::command::{pool, print};
 use crate::failure::Failure;
 use crate::output::summary::Status;
 use crate::run::INTERRUPTED;
@@ -67,17 +67,34 @@ pub(crate) fn study(arguments: &StudyArguments) -> Result<ExitCode, Failure> {
         let settings: Vec<String> = arguments.set.iter().cloned().chain(varied).collect();
         jobs.push(Job::read(format!("run-{:0width$}", index + 1), &arguments.scene, &settings)?);
     }
+    warn_once(&jobs);
     prepare(&arguments.out, arguments.overwrite, "study.json")?;
     let pool = pool(arguments.threads)?;
-    let summaries = run_all(&jobs, &arguments.out, (&pool, arguments.quiet))?;
+    let (summaries, done) = run_all(&jobs, &arguments.out, (&pool, arguments.quiet));
     let interrupted = summaries.iter().any(|summary| summary.status == Some(Status::Interrupted));
     let failed = summaries.iter().any(|summary| summary.status == Some(Status::Failed));
     let results = Results::new(&variations, combinations, &jobs, summaries);
     results.write(&arguments.out)?;
-    println!("{}\n\nresults in {}", results.table(), arguments.out.join("study.html").display());
+    print(&format!("{}\n\nresults in {}\n", results.table(), arguments.out.join("study.html").display()))?;
+    if let Some(interruption) = results.interruption() {
+        eprintln!("{interruption}");
+    }
+    done?;
     Ok(match (interrupted, failed) {
         (true, _) => ExitCode::from(INTERRUPTED),
         (_, true) => ExitCode::from(1),
         _ => ExitCode::SUCCESS,
     })
+}
+
+/// Shows the doubts about the scenes, those that several share once.
+fn warn_once(jobs: &[Job]) {
+    let mut told: Vec<String> = Vec::new();
+    for warning in jobs.iter().flat_map(|job| &job.scene.warnings) {
+        let sentence = warning.to_string();
+        if !told.contains(&sentence) {
+            eprintln!("{:?}", miette::Report::new(warning.clone()));
+            told.push(sentence);
+        }
+    }
 }

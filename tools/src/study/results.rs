@@ -13,7 +13,7 @@ use crate::output::chart::{Chart, Series, chart};
 use crate::output::plot::{Curve, Plot, Style, plot};
 use crate::output::report::{Cell, Grid, Page, Section, write_page};
 use crate::output::summary::{Status, Summary};
-use crate::output::units::{grouped, quantity};
+use crate::output::units::{counted, grouped, quantity, significant};
 use crate::output::{OutputError, OutputResult};
 
 /// One run of a study.
@@ -36,6 +36,9 @@ pub(super) struct Results {
     scene: String,
     keys: Vec<String>,
     rows: Vec<Row>,
+    /// Runs that were asked for.
+    #[serde(skip)]
+    wanted: usize,
 }
 
 /// Keys that change nothing but the resolution: a line connects such runs.
@@ -63,7 +66,13 @@ impl Results {
             failure: summary.failure,
         });
         let keys = variations.iter().map(|variation| variation.key.clone()).collect();
-        Results { scene, keys, rows: rows.collect() }
+        Results { scene, keys, rows: rows.collect(), wanted: jobs.len() }
+    }
+
+    /// How far the study came, if not to its end.
+    pub(super) fn interruption(&self) -> Option<String> {
+        let done = self.rows.iter().filter(|row| row.status != Some(Status::Interrupted)).count();
+        (done < self.wanted).then(|| format!("interrupted after {done} of {} runs", self.wanted))
     }
 
     fn head(&self) -> Vec<String> {
@@ -79,15 +88,17 @@ impl Results {
     fn cells(row: &Row) -> Vec<String> {
         let mut cells = row.settings.clone();
         for measure in &row.measures {
-            cells.push(quantity(measure.value, &measure.unit, 4));
+            cells.push(measure.shown());
             if measure.exact.is_some() {
-                cells.push(measure.error.map_or("?".to_owned(), percent));
+                cells.push(measure.error.map_or("-".to_owned(), percent));
             }
         }
-        let failed = row.status == Some(Status::Failed);
-        let cost = quantity(row.core_ns_per_particle_step * 1e-9, "s", 3);
-        cells.extend([grouped(row.particles), format!("{:.1}", row.core_seconds)]);
-        cells.push(if failed { "broke down".to_owned() } else { cost });
+        cells.extend([grouped(row.particles), significant(row.core_seconds, 3)]);
+        cells.push(match row.status {
+            Some(Status::Failed) => "broke down".to_owned(),
+            Some(Status::Interrupted) => "interrupted".to_owned(),
+            _ => quantity(row.core_ns_per_particle_step * 1e-9, "s", 3),
+        });
         cells
     }
 
@@ -125,7 +136,11 @@ impl Results {
             charts,
             grid: Some(Grid { head: self.head(), rows: rows.collect(), texts: self.keys.len() }),
         };
-        let lead = format!("{} runs; errors are relative, or absolute where zero is exact.", self.rows.len());
+        let mut lead = counted(self.rows.len() as u64, "run");
+        lead += "; errors are relative, or absolute where zero is exact.";
+        if let Some(interruption) = self.interruption() {
+            lead += &format!(" The study was {interruption}.");
+        }
         let page = Page { title: format!("Study: {}", self.scene), lead, sections: vec![section] };
         Ok(write_page(&out.join("study.html"), &page)?)
     }
@@ -138,7 +153,7 @@ impl Results {
             head.extend([measure.name.clone(), format!("{} error", measure.name)]);
         }
         head.extend(["particle size in m", "particles", "steps", "core_seconds"].map(str::to_owned));
-        head.push("core_ns_per_particle_step".to_owned());
+        head.extend(["core_ns_per_particle_step", "status"].map(str::to_owned));
         file.write_record(&head).map_err(wrong)?;
         for row in &self.rows {
             let mut record = row.settings.clone();
@@ -148,6 +163,7 @@ impl Results {
             }
             record.extend([row.particle_size.to_string(), row.particles.to_string(), row.steps.to_string()]);
             record.extend([row.core_seconds.to_string(), row.core_ns_per_particle_step.to_string()]);
+            record.push(row.status.map_or("", Status::word).to_owned());
             file.write_record(&record).map_err(wrong)?;
         }
         file.flush().map_err(OutputError::file("write", path))
@@ -158,7 +174,9 @@ impl Results {
     fn series(&self) -> Vec<Series> {
         let mut all: Vec<Series> = Vec::new();
         for row in &self.rows {
-            let Some(error) = row.measures.iter().find_map(|measure| measure.error) else {
+            let error = row.measures.iter().find_map(|measure| measure.error);
+            // What an interrupted run has measured is not what the whole one would have.
+            let Some(error) = error.filter(|_| row.status != Some(Status::Interrupted)) else {
                 continue;
             };
             let pairs = self.keys.iter().zip(&row.settings);

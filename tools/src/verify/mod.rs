@@ -7,7 +7,7 @@ mod present;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use crate::command::pool;
+use crate::command::{pool, print};
 use crate::failure::Failure;
 use crate::output::OutputError;
 use crate::output::report::{write_chart, write_page};
@@ -67,7 +67,8 @@ pub(crate) fn verify(arguments: &VerifyArguments) -> Result<ExitCode, Failure> {
     }
     prepare(&arguments.out, arguments.overwrite, "verify.json")?;
     let pool = pool(arguments.threads)?;
-    let summaries = run_all(&jobs, &arguments.out, (&pool, arguments.quiet))?;
+    let (summaries, done) = run_all(&jobs, &arguments.out, (&pool, arguments.quiet));
+    done?;
     if summaries.iter().any(|summary| summary.status == Some(Status::Interrupted)) {
         eprintln!("interrupted after {} of {} runs", summaries.len() - 1, jobs.len());
         return Ok(ExitCode::from(INTERRUPTED));
@@ -87,7 +88,7 @@ pub(crate) fn verify(arguments: &VerifyArguments) -> Result<ExitCode, Failure> {
         }
     }
     let missed = rows.iter().filter(|row| row.met == Some(false)).count();
-    println!("{}", present::table(&rows));
-    println!("{}\nresults in {}", present::verdict(&rows), page.display());
+    let (table, verdict) = (present::table(&rows), present::verdict(&rows));
+    print(&format!("{table}\n{verdict}\nresults in {}\n", page.display()))?;
     Ok(if missed > 0 { ExitCode::from(1) } else { ExitCode::SUCCESS })
 }

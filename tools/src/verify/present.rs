@@ -6,7 +6,7 @@ use super::catalogue::{Case, Expectation};
 use super::judge::Row;
 use crate::output::chart::{Chart, Point, Series, chart};
 use crate::output::report::{Cell, Grid, Page, Section, Tone};
-use crate::output::units::quantity;
+use crate::output::units::{quantity, significant};
 use crate::study::error::{order, order_in_words, percent};
 
 const HEAD: [&str; 12] = [
@@ -44,14 +44,14 @@ fn cells(row: &Row) -> Vec<String> {
         row.case.clone(),
         row.resolution.to_string(),
         measured.name.clone(),
-        quantity(measured.value, &measured.unit, 4),
+        measured.shown(),
         measured.exact.map_or("-".to_owned(), |exact| quantity(exact, &measured.unit, 4)),
         optional(measured.error),
         magnitude(row.target),
         met.to_owned(),
         magnitude(row.paper_error),
         code,
-        format!("{:.1}", row.core_seconds),
+        significant(row.core_seconds, 3),
         quantity(row.core_ns_per_particle_step * 1e-9, "s", 3),
     ]
 }
