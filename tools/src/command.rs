@@ -29,9 +29,12 @@ Exit codes: 0 done; 1 blew up; 2 bad input; 130 interrupted after a clean checkp
 
 const RESUME_EXAMPLES: &str = "\
 Examples:
-  meniscus resume runs/oscillating-drop                      to the end that the scene states
-  meniscus resume runs/oscillating-drop --until '10 us'      or further
-  meniscus resume runs/oscillating-drop --profile            speeds and trace of what is left of it";
+  meniscus resume runs/oscillating-drop                      to the end that was asked for last
+  meniscus resume runs/oscillating-drop --until '10 us'      or to another one
+  meniscus resume runs/oscillating-drop --profile            speeds and trace of what is left of it
+
+--until and --steps, here and of `run`, take the place of those in the folder's scene.toml and stay
+there; the end that comes first counts. One that the run has passed already is bad input.";
 
 const PLAN_EXAMPLES: &str = "\
 Examples:

@@ -65,6 +65,15 @@ fn said(output: &Output) -> String {
     format!("{out}{error}")
 }
 
+/// Without the line breaks of long messages.
+fn unwrapped(said: &str) -> String {
+    said.split_whitespace().filter(|word| *word != "│").collect::<Vec<_>>().join(" ")
+}
+
+fn summary(run: &Path) -> serde_json::Value {
+    serde_json::from_str(&fs::read_to_string(run.join("summary.json")).unwrap()).unwrap()
+}
+
 fn newest(run: &Path) -> PathBuf {
     let files = fs::read_dir(run.join("checkpoints")).unwrap();
     let mut files: Vec<PathBuf> = files.map(|file| file.unwrap().path()).collect();
@@ -83,6 +92,13 @@ fn a_bad_scene_is_refused_before_anything_is_written() {
     let mixed = ["run", "drop.toml", "--set", "method.precision=mixed", "--set", "method.scheme=parshikov"];
     let said = place.expect(2, &mixed);
     assert!(said.contains("mixed precision") && said.contains("conservative"), "{said}");
+    for command in ["plan", "run"] {
+        let said = place.expect(2, &[command, "drop.toml", "--set", "output.colour_by=presure"]);
+        assert!(said.contains("--set:1:") && said.contains("did you mean `pressure`?"), "{said}");
+    }
+    fs::write(place.path("binary.toml"), [0xff, 0xfe]).unwrap();
+    let said = place.expect(2, &["run", "binary.toml"]);
+    assert!(said.contains("save it in UTF-8"), "{said}");
     place.expect(2, &["run", "missing.toml"]);
     place.expect(2, &["run", "drop.toml", "--until", "3 kg"]);
     place.expect(2, &["plan", "missing.toml"]);
@@ -126,7 +142,8 @@ fn a_run_leaves_all_its_results_and_is_not_overwritten() {
     assert!(fs::read_dir(run.join("checkpoints")).unwrap().count() <= 3);
     let refusal = place.expect(2, &["run", "drop.toml"]);
     assert!(refusal.contains("--overwrite"), "{refusal}");
-    place.expect(0, &["run", "drop.toml", "--steps", "5", "--overwrite"]);
+    let said = place.expect(0, &["run", "drop.toml", "--steps", "5", "--overwrite"]);
+    assert!(said.contains("change of energy not known"), "one row tells of no change: {said}");
     place.expect(0, &["inspect", "verify", "runs/drop"]);
 }
 
@@ -156,6 +173,74 @@ fn a_resumed_run_ends_as_an_uninterrupted_one() {
             ["seconds", "ns_per_particle_step"].map(|number| stage[number].as_f64().unwrap());
         assert!((nanoseconds * particle_steps - seconds * 1e9).abs() <= 1e-9 * seconds * 1e9, "{stage}");
     }
+}
+
+#[test]
+fn a_run_that_was_killed_on_its_way_to_a_new_end_goes_there() {
+    let place = Place::new();
+    place.expect(0, &["run", "drop.toml", "--out", "run", "--steps", "83"]);
+    // So far a resumed run comes that is killed before its first checkpoint.
+    let scene = place.path("run/scene.toml");
+    let text = fs::read_to_string(&scene).unwrap();
+    fs::write(&scene, text.replace("steps = 83", "steps = 125")).unwrap();
+    place.expect(0, &["resume", "run"]);
+    assert_eq!(summary(&place.path("run"))["steps"], 125);
+    let said = place.expect(0, &["resume", "run"]);
+    assert!(said.contains("has reached its last step"), "{said}");
+}
+
+#[test]
+fn an_end_that_has_passed_is_refused() {
+    let place = Place::new();
+    place.expect(0, &["run", "drop.toml", "--out", "run", "--steps", "83"]);
+    let files = ["run/scene.toml", "run/summary.json", "run/series.csv"];
+    let before = files.map(|name| fs::read(place.path(name)).unwrap());
+    for (end, way_out) in [
+        (["--steps", "10"], "end after 10 steps: choose more with --steps"),
+        (["--until", "1 ns"], "choose a later time with --until"),
+        // The steps that it was limited to are done as well.
+        (["--until", "1 us"], "end after 83 steps: choose more with --steps"),
+    ] {
+        let said = unwrapped(&place.expect(2, &[&["resume", "run"][..], &end].concat()));
+        assert!(said.contains("at step 83") && said.contains(way_out), "{said}");
+        assert!(files.map(|name| fs::read(place.path(name)).unwrap()) == before, "{end:?}");
+    }
+    // The same end once more is no mistake.
+    place.expect(0, &["resume", "run", "--steps", "83"]);
+    place.expect(0, &["resume", "run", "--steps", "84"]);
+}
+
+/// A body with less area than a particle, which is found only when it is filled.
+const SLIVER: &str =
+    r#"body.0.shape={ polygon = { points = [["1 um", "0 um"], ["2 um", "1 um"], ["2 um", "1.0001 um"]] } }"#;
+
+#[test]
+fn an_earlier_run_stays_until_the_new_one_can_start() {
+    let place = Place::new();
+    place.expect(0, &["run", "drop.toml", "--out", "run", "--steps", "20"]);
+    let before = summary(&place.path("run"));
+    for (set, reason) in
+        [("particles.size=1e-30 m", "choose a particle size of"), (SLIVER, "body 1 cannot be filled")]
+    {
+        let said = place.expect(2, &["run", "drop.toml", "--out", "run", "--overwrite", "--set", set]);
+        assert!(unwrapped(&said).contains(reason), "{said}");
+        assert_eq!(summary(&place.path("run")), before);
+        place.expect(2, &["run", "drop.toml", "--out", "new", "--set", set]);
+        assert!(!place.path("new").exists());
+    }
+    place.expect(0, &["run", "drop.toml", "--out", "run", "--overwrite", "--steps", "21"]);
+    assert_eq!(summary(&place.path("run"))["steps"], 21);
+}
+
+#[test]
+fn what_a_measure_cannot_find_and_a_liquid_too_viscous_are_told() {
+    let place = Place::new();
+    let said = place.expect(0, &["run", "drop.toml", "--set", "measure.1.laplace-pressure.centre=8 um"]);
+    assert!(said.contains("`laplace-pressure` cannot be told: no particles are where it looks"), "{said}");
+    let viscous = ["run", "drop.toml", "--out", "viscous", "--set", "liquid.viscosity=1e3 Pa s"];
+    let said = place.expect(1, &viscous);
+    assert!(said.contains("viscous time step of particle"), "{said}");
+    assert!(!said.contains("cost per particle and step") && !said.contains("NaN"), "{said}");
 }
 
 #[test]

@@ -128,6 +128,19 @@ fn newer_formats_and_other_byte_orders_are_refused() {
 }
 
 #[test]
+fn a_series_that_is_damaged_or_missing_is_told() {
+    let place = Place::with_run();
+    let series = place.folder.path().join("run/series.csv");
+    let whole = fs::read_to_string(&series).unwrap();
+    fs::write(&series, format!("{whole}what is this?\n")).unwrap();
+    let told = place.expect(2, &["resume", "run", "--steps", "80"]);
+    assert!(told.contains("series.csv") && told.contains("remove it to go on"), "{told}");
+    fs::remove_file(&series).unwrap();
+    let told = place.expect(0, &["resume", "run", "--steps", "80"]);
+    assert!(told.contains("is missing: the series begins anew at step 60"), "{told}");
+}
+
+#[test]
 fn a_checkpoint_of_another_scene_is_refused() {
     let place = Place::with_run();
     let scene = place.folder.path().join("run/scene.toml");

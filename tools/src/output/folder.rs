@@ -7,16 +7,30 @@ use std::sync::Arc;
 
 use super::atomic::{UNFINISHED_PREFIX, write_atomic};
 use super::{OutputError, OutputResult};
+use meniscus_cases::measure::numbered;
 
 /// Plain files that a run makes at the top of its folder.
 const FILES: [&str; 5] = ["summary.json", "series.csv", "particles.pvd", "scene.toml", "profile.json"];
-/// Folders that a run makes and fills alone.
+/// Folders that a run makes.
 const FOLDERS: [&str; 2] = ["checkpoints", "frames"];
-/// Endings of the pictures that a run makes at the top of its folder.
-const PICTURES: [&str; 2] = ["png", "svg"];
-/// Any one of these shows that a folder was made by a run. A scene file does
+/// Plots that a run makes at the top of its folder, one a measure: `NAME.png`, `NAME-2.svg` and so on.
+const PLOTS: [&str; 12] = [
+    "coalescence",
+    "film",
+    "growth",
+    "laplace-pressure",
+    "large-oscillation",
+    "oscillation",
+    "pinch-off",
+    "plateau-density",
+    "semi-axis",
+    "shock",
+    "spread",
+    "spurious-velocity",
+];
+/// Either of these shows that a folder was made by a run. A scene file does
 /// not: it may be the user's own.
-const SIGNS: [&str; 3] = ["summary.json", "series.csv", "checkpoints"];
+const SIGNS: [&str; 2] = ["summary.json", "series.csv"];
 
 /// The folder of one run, with the places of its files. No other process can
 /// write into it as a run while this lives.
@@ -27,16 +41,14 @@ pub struct RunFolder {
 }
 
 impl RunFolder {
-    /// Makes the folder of a new run, with its subfolders.
-    ///
-    /// With `overwrite`, an earlier run in it is removed first: only the files
-    /// that a run makes; whatever else lies there stays.
+    /// Takes the folder of a new run, and makes it where there is none. What an
+    /// earlier run has left in it stays until [`Self::clear`].
     ///
     /// # Errors
     /// When the folder holds anything and `overwrite` is not given, when it
     /// holds files but no run, when it is no folder, cannot be made, or is
     /// being written by another process.
-    pub fn create(path: impl Into<PathBuf>, overwrite: bool) -> OutputResult<Self> {
+    pub fn take(path: impl Into<PathBuf>, overwrite: bool) -> OutputResult<Self> {
         let path = path.into();
         if path.symlink_metadata().is_ok() && !path.is_dir() {
             return Err(OutputError::NotAFolder(path));
@@ -45,15 +57,28 @@ impl RunFolder {
             if !overwrite {
                 return Err(OutputError::Occupied(path));
             }
-            if !SIGNS.iter().any(|sign| path.join(sign).exists()) {
+            if !is_run(&path)? {
                 return Err(OutputError::NotARun(path));
             }
-            let run = Self::lock(path)?;
-            remove_run(&run.path)?;
-            return run.with_subfolders();
         }
         fs::create_dir_all(&path).map_err(OutputError::file("create the folder", &path))?;
-        Self::lock(path)?.with_subfolders()
+        Self::lock(path)
+    }
+
+    /// Removes what an earlier run has left: only the files that a run makes,
+    /// by their names; whatever else lies there stays. Makes the subfolders.
+    ///
+    /// # Errors
+    /// When a file cannot be removed or a folder not be made.
+    pub fn clear(&self) -> OutputResult<()> {
+        remove_run(&self.path)?;
+        self.make_subfolders()
+    }
+
+    /// Gives up a folder that was taken for nothing: an empty one goes.
+    pub fn give_up(&self) {
+        // A folder that holds anything is not removed by this.
+        let _ = fs::remove_dir(&self.path);
     }
 
     /// Opens the folder of an earlier run, to continue it, and removes the
@@ -66,7 +91,8 @@ impl RunFolder {
         if !path.join("checkpoints").is_dir() {
             return Err(OutputError::NoRun(path));
         }
-        let run = Self::lock(path)?.with_subfolders()?;
+        let run = Self::lock(path)?;
+        run.make_subfolders()?;
         remove_unfinished(&run.path)?;
         remove_unfinished(&run.frames())?;
         Ok(run)
@@ -81,12 +107,12 @@ impl RunFolder {
         }
     }
 
-    fn with_subfolders(self) -> OutputResult<Self> {
+    fn make_subfolders(&self) -> OutputResult<()> {
         for name in FOLDERS {
             let folder = self.path.join(name);
             fs::create_dir_all(&folder).map_err(OutputError::file("create the folder", &folder))?;
         }
-        Ok(self)
+        Ok(())
     }
 
     /// The folder itself.
@@ -122,6 +148,12 @@ impl RunFolder {
         write_atomic(&self.scene(), |file| file.write_all(text.as_bytes()))
     }
 
+    /// The plot of the `index`-th measure of a kind.
+    pub fn plot(&self, name: &str, index: usize) -> PathBuf {
+        debug_assert!(PLOTS.contains(&name), "an overwritten run would leave its plot `{name}`");
+        self.file(&format!("{}.png", numbered(name, index)))
+    }
+
     /// The trace of a profiled run.
     pub fn profile(&self) -> PathBuf {
         self.file("profile.json")
@@ -147,21 +179,53 @@ fn is_empty(path: &Path) -> OutputResult<bool> {
     Ok(entries(path)?.is_empty())
 }
 
+/// Whether a run has written into a folder, or would have if nothing had stopped it.
+fn is_run(folder: &Path) -> OutputResult<bool> {
+    if SIGNS.iter().any(|sign| folder.join(sign).exists()) {
+        return Ok(true);
+    }
+    let checkpoints = folder.join(FOLDERS[0]);
+    if !checkpoints.is_dir() {
+        return Ok(false);
+    }
+    // Many programs have checkpoints: they must be a run's, or at least nothing else may be there.
+    let inner = entries(&checkpoints)?;
+    let all = entries(folder)?;
+    let made = |path: &PathBuf| is_made_by_a_run(&name_of(path));
+    Ok(match inner.is_empty() {
+        true => all.iter().all(made),
+        false => inner.iter().any(|path| is_checkpoint(&name_of(path))),
+    })
+}
+
 fn remove_run(folder: &Path) -> OutputResult<()> {
     let mut paths = entries(folder)?;
     // What shows that this is a run goes last: an interrupted removal can be taken up again.
-    paths.sort_by_key(|path| path.file_name().is_some_and(|name| SIGNS.iter().any(|sign| name == *sign)));
+    paths.sort_by_key(|path| SIGNS.contains(&name_of(path).as_str()));
     for path in paths {
         let kind = path.symlink_metadata().map_err(OutputError::file("inspect", &path))?;
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        if kind.is_dir() && FOLDERS.contains(&name.as_ref()) {
-            fs::remove_dir_all(&path).map_err(OutputError::file("remove the folder", &path))?;
-        } else if !kind.is_dir() && is_made_by_a_run(&path, &name) {
+        match (name_of(&path).as_str(), kind.is_dir()) {
+            ("checkpoints", true) => remove_files(&path, is_checkpoint)?,
+            ("frames", true) => remove_files(&path, is_frame)?,
             // A link is removed, never followed.
-            fs::remove_file(&path).map_err(OutputError::file("remove", &path))?;
+            (name, false) if is_made_by_a_run(name) => remove(&path)?,
+            _ => {}
         }
     }
     Ok(())
+}
+
+fn remove_files(folder: &Path, which: fn(&str) -> bool) -> OutputResult<()> {
+    let paths = entries(folder)?;
+    paths.iter().filter(|path| which(&name_of(path)) && !path.is_dir()).try_for_each(|path| remove(path))
+}
+
+fn remove(path: &Path) -> OutputResult<()> {
+    fs::remove_file(path).map_err(OutputError::file("remove", path))
+}
+
+fn name_of(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 fn entries(folder: &Path) -> OutputResult<Vec<PathBuf>> {
@@ -171,35 +235,63 @@ fn entries(folder: &Path) -> OutputResult<Vec<PathBuf>> {
 }
 
 fn remove_unfinished(folder: &Path) -> OutputResult<()> {
-    let unfinished = |path: &&PathBuf| {
-        path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(UNFINISHED_PREFIX))
-    };
-    for path in entries(folder)?.iter().filter(unfinished) {
-        fs::remove_file(path).map_err(OutputError::file("remove", path))?;
-    }
-    Ok(())
+    remove_files(folder, |name| name.starts_with(UNFINISHED_PREFIX))
 }
 
-fn is_made_by_a_run(path: &Path, name: &str) -> bool {
-    let ending = path.extension().unwrap_or_default();
+/// Whether a run gives this name to anything at the top of its folder.
+fn is_made_by_a_run(name: &str) -> bool {
     FILES.contains(&name)
         || FOLDERS.contains(&name)
         || name.starts_with(UNFINISHED_PREFIX)
-        || PICTURES.iter().any(|picture| ending == *picture)
+        || [".png", ".svg"].iter().any(|ending| name.strip_suffix(ending).is_some_and(is_plot))
+}
+
+/// Whether this is `NAME` of a plot, or `NAME-2` and so on.
+fn is_plot(name: &str) -> bool {
+    let plain = name.trim_end_matches(|letter: char| letter.is_ascii_digit());
+    let plain = if plain.len() < name.len() { plain.strip_suffix('-').unwrap_or(name) } else { name };
+    PLOTS.contains(&plain)
+}
+
+/// Whether a run gives this name to a checkpoint: a whole one, one of a crash, a damaged or an unfinished one.
+fn is_checkpoint(name: &str) -> bool {
+    let whole = name.strip_suffix(".damaged").unwrap_or(name);
+    let plain = whole.strip_prefix("crash-").unwrap_or(whole);
+    step_of(plain) == Some("meniscus") || (name.starts_with('.') && name.ends_with(".unfinished"))
+}
+
+/// Whether a run gives this name to anything among its frames.
+fn is_frame(name: &str) -> bool {
+    name == "index.json"
+        || name.starts_with(UNFINISHED_PREFIX)
+        || matches!(step_of(name), Some("png" | "vtp"))
+}
+
+/// The ending of a name such as `step-000000012.png`.
+fn step_of(name: &str) -> Option<&str> {
+    let (number, ending) = name.strip_prefix("step-")?.split_once('.')?;
+    (number.len() >= 9 && number.bytes().all(|digit| digit.is_ascii_digit())).then_some(ending)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// The folder of a new run that has begun.
+    fn taken(path: impl Into<PathBuf>, overwrite: bool) -> OutputResult<RunFolder> {
+        let run = RunFolder::take(path, overwrite)?;
+        run.clear()?;
+        Ok(run)
+    }
+
     #[test]
     fn a_new_folder_gets_its_subfolders_and_an_empty_one_is_taken() {
         let parent = tempfile::tempdir().unwrap();
-        let run = RunFolder::create(parent.path().join("a/b"), false).unwrap();
+        let run = taken(parent.path().join("a/b"), false).unwrap();
         assert!(run.checkpoints().is_dir() && run.frames().is_dir());
         let empty = parent.path().join("empty");
         fs::create_dir(&empty).unwrap();
-        assert!(RunFolder::create(&empty, false).is_ok());
+        assert!(taken(&empty, false).is_ok());
         assert!(RunFolder::open(&empty).is_ok());
     }
 
@@ -207,10 +299,10 @@ mod tests {
     fn an_occupied_folder_is_refused_with_the_way_out() {
         let parent = tempfile::tempdir().unwrap();
         fs::write(parent.path().join("thesis.tex"), "dear").unwrap();
-        let refusal = RunFolder::create(parent.path(), false).unwrap_err().to_string();
+        let refusal = taken(parent.path(), false).unwrap_err().to_string();
         assert!(refusal.contains("--out") && refusal.contains("--overwrite"), "{refusal}");
         assert!(refusal.contains(&parent.path().display().to_string()));
-        let refusal = RunFolder::create(parent.path(), true).unwrap_err().to_string();
+        let refusal = taken(parent.path(), true).unwrap_err().to_string();
         assert!(refusal.contains("no earlier run"), "{refusal}");
         assert!(RunFolder::open(parent.path()).is_err());
     }
@@ -218,21 +310,59 @@ mod tests {
     #[test]
     fn overwriting_removes_the_run_and_nothing_else() {
         let parent = tempfile::tempdir().unwrap();
-        let run = RunFolder::create(parent.path().join("run"), false).unwrap();
-        for name in FILES.iter().chain(&["frames/0.vtp", "checkpoints/1", "a.png", "b.svg"]) {
+        let run = taken(parent.path().join("run"), false).unwrap();
+        let made = [
+            "frames/step-000000000.vtp",
+            "frames/step-000000000.png",
+            "frames/index.json",
+            "checkpoints/step-000000060.meniscus",
+            "checkpoints/crash-step-000000061.meniscus",
+            "checkpoints/step-000000040.meniscus.damaged",
+            "checkpoints/.step.unfinished",
+            "laplace-pressure.png",
+            "pinch-off-2.svg",
+        ];
+        for name in FILES.iter().chain(&made) {
             fs::write(run.file(name), "old").unwrap();
         }
-        for name in ["notes.txt", "analysis.py"] {
+        for name in ["photo.png", "figure.svg", "film-cut.png", "frames/talk.png", "checkpoints/model.pt"] {
             fs::write(run.file(name), "mine").unwrap();
         }
-        let run = RunFolder::create(path_of(run), true).unwrap();
-        let mut names: Vec<_> = fs::read_dir(run.path())
-            .unwrap()
-            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-            .collect();
-        names.sort();
-        assert_eq!(names, ["analysis.py", "checkpoints", "frames", "notes.txt"]);
-        assert!(is_empty(&run.frames()).unwrap() && is_empty(&run.checkpoints()).unwrap());
+        let names = |folder: &Path| {
+            let mut names: Vec<_> = entries(folder).unwrap().iter().map(|path| name_of(path)).collect();
+            names.sort();
+            names
+        };
+        let again = RunFolder::take(path_of(run), true).unwrap();
+        assert!(again.summary().exists(), "nothing goes before the new run has anything to write");
+        again.clear().unwrap();
+        assert_eq!(names(again.path()), ["checkpoints", "figure.svg", "film-cut.png", "frames", "photo.png"]);
+        assert_eq!(names(&again.frames()), ["talk.png"]);
+        assert_eq!(names(&again.checkpoints()), ["model.pt"]);
+    }
+
+    #[test]
+    fn checkpoints_of_another_program_are_no_run() {
+        let parent = tempfile::tempdir().unwrap();
+        let other = parent.path().join("checkpoints");
+        fs::create_dir(&other).unwrap();
+        fs::write(parent.path().join("train.py"), "mine").unwrap();
+        assert!(RunFolder::take(parent.path(), true).is_err());
+        fs::write(other.join("model.pt"), "dear").unwrap();
+        assert!(RunFolder::take(parent.path(), true).is_err());
+        fs::write(other.join("step-000000060.meniscus"), "a run's").unwrap();
+        assert!(RunFolder::take(parent.path(), true).is_ok());
+    }
+
+    #[test]
+    fn a_folder_that_was_taken_for_nothing_goes() {
+        let parent = tempfile::tempdir().unwrap();
+        let run = RunFolder::take(parent.path().join("run"), false).unwrap();
+        run.give_up();
+        assert!(!run.path().exists());
+        let run = taken(parent.path().join("run"), false).unwrap();
+        run.give_up();
+        assert!(run.checkpoints().is_dir());
     }
 
     #[cfg(unix)]
@@ -242,10 +372,10 @@ mod tests {
         let precious = parent.path().join("precious");
         fs::create_dir(&precious).unwrap();
         fs::write(precious.join("data"), "dear").unwrap();
-        let run = RunFolder::create(parent.path().join("run"), false).unwrap();
+        let run = taken(parent.path().join("run"), false).unwrap();
         fs::remove_dir(run.frames()).unwrap();
         std::os::unix::fs::symlink(&precious, run.frames()).unwrap();
-        RunFolder::create(path_of(run), true).unwrap();
+        taken(path_of(run), true).unwrap();
         assert!(precious.join("data").exists());
     }
 
@@ -258,8 +388,8 @@ mod tests {
     #[test]
     fn a_folder_belongs_to_one_run_at_a_time() {
         let parent = tempfile::tempdir().unwrap();
-        let run = RunFolder::create(parent.path().join("run"), false).unwrap();
-        for refused in [RunFolder::create(run.path(), true), RunFolder::open(run.path())] {
+        let run = taken(parent.path().join("run"), false).unwrap();
+        for refused in [taken(run.path(), true), RunFolder::open(run.path())] {
             let refusal = refused.unwrap_err().to_string();
             assert!(refusal.contains("another run is writing"), "{refusal}");
         }
@@ -273,7 +403,7 @@ mod tests {
         let parent = tempfile::tempdir().unwrap();
         let file = parent.path().join("file");
         fs::write(&file, "").unwrap();
-        let refusal = RunFolder::create(&file, true).unwrap_err().to_string();
+        let refusal = taken(&file, true).unwrap_err().to_string();
         assert!(refusal.contains("is not a folder"), "{refusal}");
     }
 }

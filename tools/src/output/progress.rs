@@ -19,6 +19,8 @@ const SHORT: Duration = Duration::from_millis(500);
 pub struct Progress {
     /// Simulated seconds, or one.
     total: f64,
+    /// Steps after which it ends in any case.
+    steps: Option<u64>,
     started: Instant,
     first: Option<f64>,
     shown: Instant,
@@ -59,6 +61,12 @@ impl Progress {
         Self::with(total_time, what, Display::Lines(writer))
     }
 
+    /// The same, where it ends after some steps, counted from the start of the run, if that comes first.
+    pub fn within(mut self, steps: Option<u64>) -> Self {
+        self.steps = steps;
+        self
+    }
+
     /// The same, where more follows: `later` times this work. The time left is then that of all.
     pub fn followed_by(mut self, later: f64) -> Self {
         self.later = later;
@@ -74,6 +82,7 @@ impl Progress {
         let now = Instant::now();
         Self {
             total,
+            steps: None,
             started: now,
             first: None,
             shown: now,
@@ -87,7 +96,11 @@ impl Progress {
     /// Tells that `step` steps are done, up to the simulated `time`, the last
     /// of size `step_size` (both in seconds). Cheap enough for every step.
     pub fn update(&mut self, step: u64, time: f64, step_size: f64) {
-        self.show(time, step_size, || {
+        let (mut done, mut last) = (time / self.total, step_size / self.total);
+        if let Some(steps) = self.steps.filter(|steps| step as f64 / *steps as f64 > done) {
+            (done, last) = (step as f64 / steps as f64, 1.0 / steps as f64);
+        }
+        self.show(done, last, || {
             let (time, step_size) = (quantity(time, "s", 4), quantity(step_size, "s", 3));
             format!("t = {time}  dt = {step_size}  step {}  ", grouped(step))
         });
@@ -100,11 +113,11 @@ impl Progress {
         }
     }
 
-    /// Shows that `done` of the total is done, `last` of it since the call before, and what more is to be said.
+    /// Shows that the part `done` is done, `last` of it since the call before, and what more is to be said.
     fn show(&mut self, done: f64, last: f64, what: impl FnOnce() -> String) {
         // A resumed run starts late: only what it has done itself tells its pace.
         let first = *self.first.get_or_insert(done - last);
-        let fraction = (done / self.total).clamp(0.0, 1.0);
+        let fraction = done.clamp(0.0, 1.0);
         let since_shown = self.shown.elapsed();
         let due = match self.display {
             Display::Quiet => false,
@@ -117,7 +130,7 @@ impl Progress {
         self.shown = Instant::now();
         self.shown_fraction = fraction;
         let elapsed = self.started.elapsed().as_secs_f64();
-        let to_do = (self.total - done).max(0.0) + self.later * self.total;
+        let to_do = (1.0 - done).max(0.0) + self.later;
         let left = elapsed * to_do / (done - first);
         let state = format!(
             "{:3.0} %  {}{} left{}",
@@ -213,6 +226,17 @@ mod tests {
         let expected = "droplet:  50 %  t = 50.00 µs  dt = 100 ns  step 500  0 s left";
         assert_eq!(lines[4], expected, "{text}");
         assert_eq!(lines.last(), Some(&"checkpoint written"));
+    }
+
+    #[test]
+    fn the_nearer_end_counts() {
+        let shared = Shared::default();
+        let mut progress = Progress::to_writer(1.0, "droplet", Box::new(shared.clone())).within(Some(10));
+        progress.update(5, 1e-6, 1e-7);
+        progress.update(6, 0.9, 0.1);
+        let text = String::from_utf8(shared.0.lock().unwrap().clone()).unwrap();
+        let parts: Vec<&str> = text.lines().map(|line| &line[9..15]).collect();
+        assert_eq!(parts, [" 50 % ", " 90 % "], "{text}");
     }
 
     #[test]

@@ -1,21 +1,14 @@
 //! The particles' columns as people want to see them.
 
-use meniscus_cases::assemble::assemble;
-use meniscus_cases::scene::Scene;
 use meniscus_cases::simulation::Simulation;
 use meniscus_engine::field::{Description, Role, Values};
 use meniscus_stages::fields;
-
-use crate::failure::Failure;
 
 /// Values of a quantity, one a particle, with its SI unit.
 pub(super) struct Shown {
     pub(super) unit: &'static str,
     pub(super) values: Vec<f64>,
 }
-
-/// What follows from columns and has none.
-const FOLLOWING: [&str; 3] = ["speed", "size", "pressure"];
 
 /// A real column by its field; empty if this run has none of it.
 pub(super) fn column(simulation: &Simulation, name: &str) -> Vec<f64> {
@@ -53,7 +46,7 @@ pub(super) fn size(simulation: &Simulation) -> Vec<f64> {
         .collect()
 }
 
-/// A quantity by name. `None` for one that is computed in every step, before the first one.
+/// A quantity by name: a column, or one of `meniscus_cases::scene::FOLLOWING`. `None` for one that is computed in every step, before the first one.
 pub(super) fn shown(simulation: &Simulation, name: &str) -> Option<Shown> {
     match name {
         "pressure" => return Some(Shown { unit: "Pa", values: pressure(simulation) }),
@@ -77,23 +70,4 @@ pub(super) fn shown(simulation: &Simulation, name: &str) -> Option<Shown> {
     };
     let unit = description.unit;
     Some(Shown { unit, values })
-}
-
-/// Checks that the scene's pictures are coloured by something that its run has.
-pub(super) fn check_colour(scene: &Scene) -> Result<(), Failure> {
-    let physics = meniscus_cases::assemble::Physics::of(scene);
-    let assembly = assemble(&physics).map_err(|error| Failure::on_the_way(error.to_string()))?;
-    let mut names = FOLLOWING.to_vec();
-    for used in assembly.wiring.uses() {
-        if !names.contains(&used.field.name) {
-            names.push(used.field.name);
-        }
-    }
-    names.sort_unstable();
-    let asked = scene.output.colour_by.as_str();
-    if names.contains(&asked) {
-        return Ok(());
-    }
-    let known = names.join(", ");
-    Err(Failure::input(format!("`output.colour_by` knows no `{asked}`; this scene has {known}")))
 }

@@ -97,21 +97,19 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<ExitCode, Failure> {
     let signals = listen()?;
     let settings = [arguments.set.clone(), arguments.extent.settings()].concat();
     let scene = scene::read(&arguments.scene, &settings)?;
-    columns::check_colour(&scene)?;
     let pool = pool(arguments.extent.threads)?;
     let out = arguments.out.clone();
     let out = out.unwrap_or_else(|| default_folder(&arguments.scene));
     let folder =
-        RunFolder::create(out, arguments.overwrite).map_err(|error| Failure::input(error.to_string()))?;
-    folder.write_scene(&scene.text)?;
+        RunFolder::take(out, arguments.overwrite).map_err(|error| Failure::input(error.to_string()))?;
     let display = Display::alone(arguments.extent.quiet);
     let profiler = Profiler::asked(&arguments.extent, &pool)?;
     let run = Run { scene, folder, signals, display, profiler, started };
     run.introduce();
-    pool.install(|| run.go(Start::Scene)).map(|summary| tell(&summary))
+    pool.install(|| run.begin()).map(|summary| tell(&summary))
 }
 
-/// Runs a scene into a folder, on the threads of the caller's pool.
+/// Runs a scene into a folder that was taken for it, on the threads of the caller's pool.
 pub(crate) fn run_into(
     folder: RunFolder,
     scene: Scene,
@@ -119,8 +117,7 @@ pub(crate) fn run_into(
     display: Display,
 ) -> Result<Summary, Failure> {
     let started = Moment::now();
-    folder.write_scene(&scene.text)?;
-    Run { scene, folder, signals: signals.clone(), display, profiler: None, started }.go(Start::Scene)
+    Run { scene, folder, signals: signals.clone(), display, profiler: None, started }.begin()
 }
 
 /// Prints what a run has given, and turns it into an exit code.
@@ -166,9 +163,10 @@ impl Run {
     fn progress(&self) -> Progress {
         match &self.display {
             Display::Quiet => Progress::quiet(),
-            Display::Alone => Progress::new(self.scene.until, "running"),
+            Display::Alone => Progress::new(self.scene.until, "running").within(self.scene.steps),
             Display::Among { name, later } => {
-                Progress::new(self.scene.until, &format!("{name}: running")).followed_by(*later)
+                let progress = Progress::new(self.scene.until, &format!("{name}: running"));
+                progress.within(self.scene.steps).followed_by(*later)
             }
         }
     }
@@ -183,13 +181,27 @@ impl Run {
         Ok(Simulation::new(&self.scene, &mut |part| progress.update_part(part))?)
     }
 
-    /// Goes from where the run stands to its end.
-    fn go(&self, start: Start) -> Result<Summary, Failure> {
+    /// Begins the run, and goes to its end. An earlier run in the folder stays until the particles are placed:
+    /// not before is it known that the scene can run.
+    fn begin(&self) -> Result<Summary, Failure> {
         let mut filling = Stopwatch::default();
-        let mut simulation = match start {
+        let simulation = filling.time(|| self.fill()).inspect_err(|_| self.folder.give_up())?;
+        self.folder.clear()?;
+        self.go(simulation, filling)
+    }
+
+    /// Takes the run up where it stands, and goes to its end.
+    fn take_up(&self, start: Start) -> Result<Summary, Failure> {
+        let mut filling = Stopwatch::default();
+        let simulation = match start {
             Start::Scene => filling.time(|| self.fill())?,
             Start::Running(checkpoint) => Simulation::resume(&self.scene, &checkpoint)?,
         };
+        self.go(simulation, filling)
+    }
+
+    fn go(&self, mut simulation: Simulation, filling: Stopwatch) -> Result<Summary, Failure> {
+        self.folder.write_scene(&self.scene.text)?;
         if matches!(self.display, Display::Alone) {
             eprintln!("{} particles", grouped(simulation.world.store.len() as u64));
         }

@@ -107,7 +107,7 @@ pub(super) fn draw(scene: &Scene, folder: &RunFolder, history: &History) -> Resu
             }
             Measure::MomentumDrift | Measure::EnergyDrift | Measure::EnergyGain => continue,
         };
-        let path = folder.file(&format!("{}.png", numbered(name, index)));
+        let path = folder.plot(name, index);
         let picture = Plot {
             title: scene.title.clone(),
             x_label: "time [s]".to_owned(),

@@ -77,6 +77,9 @@ impl<'a> Recorder<'a> {
         if scene.output.series_every == 0 {
             eprintln!("this scene keeps no series: what is measured begins at step {}", clock.step);
         }
+        if scene.output.series_every > 0 && !goes_on {
+            eprintln!("`{}` is missing: the series begins anew at step {}", path.display(), clock.step);
+        }
         if goes_on {
             read_history(&path, clock.step, &mut history)?;
         }
@@ -147,7 +150,10 @@ impl<'a> Recorder<'a> {
 }
 
 fn read_history(path: &Path, last_step: u64, history: &mut History) -> Result<(), Failure> {
-    let series = series::read(path).map_err(|error| Failure::input(error.to_string()))?;
+    let series = series::read(path).map_err(|error| {
+        let way_out = "mend it, or remove it to go on without the earlier rows";
+        Failure::input(format!("{error}; {way_out}"))
+    })?;
     let same = |(column, quantity): (&series::Column, &Quantity)| column.name == quantity.name;
     let quantities = history.quantities();
     let matches = series.columns.len() == quantities.len() && series.columns.iter().zip(quantities).all(same);

@@ -37,7 +37,9 @@ pub(super) fn report(
     let [momentum_z, energy, mass] = conservation(scene, history);
     let clock = &simulation.world.clock;
     let particles = simulation.world.store.len() as u64;
-    let particle_steps = (particles * (clock.step - costs.first_step)).max(1) as f64;
+    // Before the first step nothing has a cost for each.
+    let taken = Some(clock.step - costs.first_step).filter(|steps| *steps > 0);
+    let particle_steps = taken.map_or(f64::NAN, |steps| (particles * steps) as f64);
     let Stopwatch { wall: wall_seconds, cpu: cpu_seconds } = costs.started.elapsed();
     let stages = stages(simulation, recorder, costs, (wall_seconds, particle_steps));
     let told = (simulation.costs(), stages.as_slice());

@@ -8,11 +8,12 @@ use meniscus_engine::checkpoint::{self, Checkpoint, newest_valid, set_aside};
 
 use super::profile::Profiler;
 use super::stopwatch::Moment;
-use super::{Display, Run, Start, columns, is_over, listen, tell};
+use super::{Display, Run, Start, is_over, listen, tell};
 use crate::command::{ResumeArguments, pool};
 use crate::failure::Failure;
 use crate::output::folder::RunFolder;
 use crate::output::summary::{Status, Summary};
+use crate::output::units::{counted, grouped, quantity};
 
 /// Continues a run.
 pub(crate) fn resume(arguments: &ResumeArguments) -> Result<ExitCode, Failure> {
@@ -20,9 +21,12 @@ pub(crate) fn resume(arguments: &ResumeArguments) -> Result<ExitCode, Failure> {
     let signals = listen()?;
     let folder = RunFolder::open(&arguments.folder);
     let folder = folder.map_err(|error| Failure::input(error.to_string()))?;
-    let Found { name, text, start } = find(&folder)?;
-    let scene = scene::parse(&name, &text, &arguments.extent.settings())?;
-    columns::check_colour(&scene)?;
+    let Found { name, source, text, start } = find(&folder)?;
+    let settings = arguments.extent.settings();
+    let scene = scene::parse(&source, &text, &settings)?;
+    if !settings.is_empty() {
+        check_end(&folder, &scene, (&source, &text), &start)?;
+    }
     if let Some(summary) = finished(&folder, &scene, &start) {
         let (end, further) = match start {
             Start::Running(checkpoint) if checkpoint.clock.time < scene.until => ("its last step", "--steps"),
@@ -35,17 +39,19 @@ pub(crate) fn resume(arguments: &ResumeArguments) -> Result<ExitCode, Failure> {
         return Ok(tell(&summary));
     }
     let pool = pool(arguments.extent.threads)?;
-    folder.write_scene(&scene.text)?;
     let display = Display::alone(arguments.extent.quiet);
     let profiler = Profiler::asked(&arguments.extent, &pool)?;
     let run = Run { scene, folder, signals, display, profiler, started };
     eprintln!("continues from {name}");
-    pool.install(|| run.go(start)).map(|summary| tell(&summary))
+    pool.install(|| run.take_up(start)).map(|summary| tell(&summary))
 }
 
 /// From where a run goes on, and its scene.
 struct Found {
+    /// The checkpoint, or the scene where there is none.
     name: String,
+    /// Where the scene's text stands.
+    source: String,
     text: String,
     start: Start,
 }
@@ -71,21 +77,32 @@ fn find(folder: &RunFolder) -> Result<Found, Failure> {
             path.display()
         ))
     })?;
-    Ok(Found { name: path.display().to_string(), text, start: Start::Scene })
+    let name = path.display().to_string();
+    Ok(Found { source: name.clone(), name, text, start: Start::Scene })
 }
 
 impl Found {
     fn of(folder: &RunFolder, name: String, checkpoint: Checkpoint) -> Result<Self, Failure> {
         let path = folder.scene();
-        if fs::read_to_string(&path).is_ok_and(|text| !same_scene(&text, &checkpoint.scene)) {
+        let Ok(text) = fs::read_to_string(&path) else {
+            let text = checkpoint.scene.clone();
+            return Ok(Found {
+                source: name.clone(),
+                name,
+                text,
+                start: Start::Running(Box::new(checkpoint)),
+            });
+        };
+        if !same_scene(&text, &checkpoint.scene) {
             return Err(Failure::input(format!(
                 "{name}: the checkpoint is of another scene than `{}`; a run goes on with the scene it began \
                  with: remove the one of both that does not belong here (a checkpoint holds its scene)",
                 path.display()
             )));
         }
-        let text = checkpoint.scene.clone();
-        Ok(Found { name, text, start: Start::Running(Box::new(checkpoint)) })
+        // It is newer than the checkpoint: a run that was resumed to another end may have stopped before its next one.
+        let source = path.display().to_string();
+        Ok(Found { name, source, text, start: Start::Running(Box::new(checkpoint)) })
     }
 }
 
@@ -99,6 +116,41 @@ fn same_scene(one: &str, other: &str) -> bool {
         Some(table)
     };
     matches!((essence(one), essence(other)), (Some(one), Some(other)) if one == other)
+}
+
+/// Refuses a new end that the run has passed already: there would be nothing to compute.
+fn check_end(
+    folder: &RunFolder,
+    scene: &Scene,
+    (source, text): (&str, &str),
+    start: &Start,
+) -> Result<(), Failure> {
+    let Start::Running(checkpoint) = start else {
+        return Ok(());
+    };
+    let clock = &checkpoint.clock;
+    let before = scene::parse(source, text, &[])?;
+    let same = (before.until, before.steps) == (scene.until, scene.steps);
+    if same || !is_over(scene, clock.step, clock.time) {
+        return Ok(());
+    }
+    let mut passed = Vec::new();
+    if let Some(steps) = scene.steps.filter(|steps| clock.step >= *steps) {
+        passed.push(format!("would end after {}: choose more with --steps", counted(steps, "step")));
+    }
+    if clock.time >= scene.until {
+        passed.push(format!(
+            "would end at {}: choose a later time with --until",
+            quantity(scene.until, "s", 4)
+        ));
+    }
+    Err(Failure::input(format!(
+        "the run in `{}` is at step {}, t = {} already; it {}",
+        folder.path().display(),
+        grouped(clock.step),
+        quantity(clock.time, "s", 4),
+        passed.join("; it "),
+    )))
 }
 
 /// The results of a run that has nothing left to do.

@@ -81,7 +81,7 @@ fn run_each(
     let signals = run::listen()?;
     let work: Vec<f64> = jobs.iter().map(Job::work).collect();
     for (index, job) in jobs.iter().enumerate() {
-        let folder = RunFolder::create(out.join("runs").join(&job.name), true)?;
+        let folder = RunFolder::take(out.join("runs").join(&job.name), true)?;
         let later = work[index + 1..].iter().sum::<f64>() / work[index];
         let name = format!("{}/{} {}", index + 1, jobs.len(), job.name);
         let display = if quiet { Display::Quiet } else { Display::Among { name, later } };

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, Table, Width, presets};
 
 use super::{Measure, PairSpeed, Profile, StageCost, StageProfile, Status, Summary};
-use crate::output::units::{duration, grouped, quantity, significant};
+use crate::output::units::{counted, duration, grouped, quantity, significant};
 
 /// Widest line of the printed tables.
 const TABLE_WIDTH: u16 = 100;
@@ -27,26 +27,28 @@ pub fn print_table(summary: &Summary, out: &mut impl Write) -> io::Result<()> {
     }
     writeln!(
         out,
-        "{} simulated, {} steps, {} particles, {} thread{}{}",
+        "{} simulated, {}, {}, {}{}",
         quantity(summary.time, "s", 4),
-        grouped(summary.steps),
-        grouped(summary.particles),
-        summary.threads,
-        if summary.threads == 1 { "" } else { "s" },
+        counted(summary.steps, "step"),
+        counted(summary.particles, "particle"),
+        counted(summary.threads as u64, "thread"),
         if summary.mixed_precision { ", mixed precision" } else { "" },
     )?;
     if !summary.measures.is_empty() {
         writeln!(out, "{}", measures_table(&summary.measures))?;
     }
+    if summary.ns_per_particle_step.is_finite() {
+        writeln!(
+            out,
+            "cost per particle and step: {} elapsed, {} of processor time",
+            quantity(summary.ns_per_particle_step * 1e-9, "s", 3),
+            quantity(summary.core_ns_per_particle_step * 1e-9, "s", 3),
+        )?;
+    }
+    // A run that was resumed took longer: each process knows its own time alone.
     writeln!(
         out,
-        "cost per particle and step: {} elapsed, {} of processor time",
-        quantity(summary.ns_per_particle_step * 1e-9, "s", 3),
-        quantity(summary.core_ns_per_particle_step * 1e-9, "s", 3),
-    )?;
-    writeln!(
-        out,
-        "whole run: {} elapsed, {} of processor time",
+        "whole process: {} elapsed, {} of processor time",
         duration(summary.wall_seconds),
         duration(summary.cpu_seconds),
     )?;
@@ -58,7 +60,7 @@ pub fn print_table(summary: &Summary, out: &mut impl Write) -> io::Result<()> {
     if !summary.step_bounds.is_empty() {
         let bounds = summary.step_bounds.iter();
         let bounds: Vec<String> =
-            bounds.map(|(reason, steps)| format!("{reason} ({} steps)", grouped(*steps))).collect();
+            bounds.map(|(reason, steps)| format!("{reason} ({})", counted(*steps, "step"))).collect();
         writeln!(out, "time step set by: {}", bounds.join(", "))?;
     }
     let kept = &summary.conservation;
@@ -99,7 +101,7 @@ fn stages_table(summary: &Summary) -> Table {
             stage.name.clone(),
             grouped(stage.calls),
             duration(stage.seconds),
-            quantity(stage.ns_per_particle_step * 1e-9, "s", 3),
+            each(stage),
             format!("{:5.1} % {bar:<20}", stage.share * 100.0),
         ]);
     }
@@ -127,7 +129,7 @@ fn profile_table(profile: &Profile) -> Table {
             stage.cost.name.clone(),
             duration(stage.cost.seconds),
             format!("{:.1} %", stage.cost.share * 100.0),
-            quantity(stage.cost.ns_per_particle_step * 1e-9, "s", 3),
+            each(&stage.cost),
             number(stage.imbalance),
             pairs(|pairs| pairs.per_particle_step),
             pairs(|pairs| pairs.gigabytes_per_second),
@@ -143,6 +145,12 @@ fn profile_table(profile: &Profile) -> Table {
         });
     }
     align(table)
+}
+
+/// What a stage costs per particle and step; nothing where no step was taken.
+fn each(stage: &StageCost) -> String {
+    let nanoseconds = stage.ns_per_particle_step;
+    if nanoseconds.is_finite() { quantity(nanoseconds * 1e-9, "s", 3) } else { String::new() }
 }
 
 fn table<const COLUMNS: usize>(header: [&str; COLUMNS]) -> Table {
@@ -197,6 +205,19 @@ mod tests {
         if std::env::var_os("MENISCUS_SHOW").is_some() {
             println!("{text}");
         }
+    }
+
+    #[test]
+    fn without_a_step_nothing_costs_per_step() {
+        let mut summary = example();
+        (summary.steps, summary.threads, summary.step_bounds[0].1) = (0, 1, 1);
+        (summary.ns_per_particle_step, summary.core_ns_per_particle_step) = (f64::NAN, f64::NAN);
+        summary.stages.iter_mut().for_each(|stage| stage.ns_per_particle_step = f64::NAN);
+        let mut out = Vec::new();
+        print_table(&summary, &mut out).unwrap();
+        let text = String::from_utf8(out).unwrap();
+        assert!(!text.contains("NaN") && !text.contains("cost per particle"), "{text}");
+        assert!(text.contains("1 thread,") && text.contains("acoustic (1 step)"), "{text}");
     }
 
     #[test]
