@@ -30,6 +30,7 @@ pub struct CurvatureNormals {
     surface: Read<u32>,
     pressure: Update<f64>,
     rate: Write<f64>,
+    last_rate: Update<f64>,
     /// Particles at the surface, and those and their neighbours, whose normals count.
     flagged: Vec<u32>,
     with_normal: Vec<u32>,
@@ -60,6 +61,7 @@ impl CurvatureNormals {
             surface: wiring.read(&fields::SURFACE),
             pressure: wiring.update(&fields::LAPLACE_PRESSURE),
             rate: wiring.write(&fields::LAPLACE_PRESSURE_RATE),
+            last_rate: wiring.update(&fields::LAPLACE_PRESSURE_LAST_RATE),
             flagged: Vec::new(),
             with_normal: Vec::new(),
             number: Vec::new(),
@@ -188,17 +190,22 @@ impl CurvatureNormals {
         let elapsed = world.clock.time - world.clock.mark(COMPUTED);
         let packed = PackedState(&world.rows);
         let (mut pressure, mut rate) = (world.store.write(self.pressure), world.store.write(self.rate));
-        let before =
-            world.arena.alloc_slice_fill_with(self.flagged.len(), |k| pressure[self.flagged[k] as usize]);
-        clear(&mut pressure[..]);
-        clear(&mut rate[..]);
+        let mut last_rate = world.store.write(self.last_rate);
+        let before = world.arena.alloc_slice_fill_with(self.flagged.len(), |k| {
+            let a = self.flagged[k] as usize;
+            [pressure[a], last_rate[a]]
+        });
+        [&mut pressure, &mut rate, &mut last_rate].into_iter().for_each(|column| clear(&mut column[..]));
         let mut smallest = self.packing.largest_size;
-        for ((&a, &before), curvature) in self.flagged.iter().zip(&*before).zip(&self.curvatures) {
+        for ((&a, &[before, rate_before]), curvature) in
+            self.flagged.iter().zip(&*before).zip(&self.curvatures)
+        {
             let (a, now) = (a as usize, self.tension.surface_tension * curvature);
-            let size = packed.size(a);
+            let size = packed.size(a).min(self.packing.largest_size);
             smallest = smallest.min(size);
             pressure[a] = now;
-            rate[a] = self.tension.rate([before, now], elapsed, size.min(self.packing.largest_size));
+            last_rate[a] = self.tension.rate([before, now], elapsed, size);
+            rate[a] = self.tension.carried_on([rate_before, last_rate[a]], size);
         }
         smallest
     }
