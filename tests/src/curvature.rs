@@ -3,6 +3,7 @@
 use crate::drops::{self, column};
 use meniscus_cases::simulation::Simulation;
 use meniscus_stages::surface::{BOUNDARY, NEAR_BOUNDARY};
+use meniscus_stages::surface_interval::COMPUTED;
 use std::f64::consts::FRAC_PI_2;
 
 /// Surface tension of the scenes, N/m.
@@ -126,17 +127,20 @@ pub struct Foot {
     pub is_measured: bool,
 }
 
-/// What every particle at the surface or near it knows about it.
+/// What every particle at the surface or near it knows about it: the curvature of the Laplace pressure that acts, which is
+/// carried on since the surface was looked for.
 pub fn feet(simulation: &Simulation) -> Vec<Foot> {
-    let [r, z, way_r, way_z, pressure] =
-        ["radius", "axial", "surface_offset_r", "surface_offset_z", "laplace_pressure"]
-            .map(|name| column(simulation, name));
+    let [r, z, way_r, way_z] =
+        ["radius", "axial", "surface_offset_r", "surface_offset_z"].map(|name| column(simulation, name));
+    let [pressure, rate] = ["laplace_pressure", "laplace_pressure_rate"].map(|name| column(simulation, name));
+    let clock = &simulation.world.clock;
+    let elapsed = clock.time - clock.mark(COMPUTED);
     let surface = simulation.world.store.by_name::<u32>("surface");
     let surface = surface.map_or_else(Vec::new, |surface| surface.to_vec());
     let at_surface = (0..r.len()).filter(|&i| surface[i] == BOUNDARY || surface[i] == NEAR_BOUNDARY);
     let foot = |i: usize| Foot {
         place: [(r[i] + way_r[i]) / UNIT, (z[i] + way_z[i]) / UNIT],
-        curvature: pressure[i] / TENSION * UNIT,
+        curvature: (pressure[i] + elapsed * rate[i]) / TENSION * UNIT,
         is_measured: surface[i] == BOUNDARY,
     };
     at_surface.map(foot).collect()
