@@ -96,7 +96,7 @@ impl Method {
             shock_contacts: true,
             time_integration: TimeIntegration::AdamsBashforth,
             curvature: Curvature::ColourField,
-            curvature_interval: 16,
+            curvature_interval: 8,
             colour_support: 11.0,
             normal_theta: 1.5,
             reference_pressure: ReferencePressure::Drop,
