@@ -5,7 +5,7 @@
 //! is held instead lags by half of the time t between two looks, and drives a wave by as much of omega t.) Along the straight
 //! line through two looks a wave's pressure lags by omega^2 t^3/3 in the mean and is wrong by 5/12 (omega t)^2. That drives the
 //! waves that pass in some looks: at the poles of a drop with 200 particles to the radius one of ten particle sizes, which
-//! swings in fifty-seven steps, grew until particles were eight times as fast as the flow. Along the parabola the pressure is
+//! swings in fifty-seven steps, grew until particles were three times as fast as the flow. Along the parabola the pressure is
 //! ahead by 3/8 omega^2 t^3, which damps such waves, and those that take hundreds of looks feel neither. A bump of height x, a few
 //! particles wide, has a pressure of up to sigma x/D^2. To a pressure that changes too fast for anything but sound a
 //! liquid yields at the speed P/(rho C), so the bump is gone after the time rho C D^2/sigma. Carried on for
