@@ -93,7 +93,8 @@ impl VoidClosing {
         // sum_b V_b W_b of the particles themselves around a place, without their images.
         let around = |[at_r, at_z]: [f64; 2], reach: f64| {
             let inverse_square = 1.0 / (reach * reach);
-            let [lane_r, lane_z, scale] = [at_r, at_z, inverse_square].map(|value| Lanes::splat(value));
+            let (lane_r, lane_z) = (Lanes::splat(at_r), Lanes::splat(at_z));
+            let scale = Lanes::splat(inverse_square);
             let mut sum = Lanes::ZERO;
             list.near(at_r, at_z, reach + slack, |members| {
                 for start in members.clone().step_by(WIDTH) {

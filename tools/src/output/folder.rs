@@ -75,10 +75,18 @@ impl RunFolder {
         self.make_subfolders()
     }
 
-    /// Gives up a folder that was taken for nothing: an empty one goes.
+    /// Whether a run has begun in it: its scene is there.
+    pub fn is_begun(&self) -> bool {
+        self.scene().exists()
+    }
+
+    /// Gives up a folder in which a run could not begin: what it has made goes, and the folder, too, if that was all.
     pub fn give_up(&self) {
-        // A folder that holds anything is not removed by this.
-        let _ = fs::remove_dir(&self.path);
+        // What cannot be removed stays: the run has failed for another reason.
+        let _ = remove_run(&self.path);
+        for folder in FOLDERS.map(|name| self.path.join(name)).iter().chain([&self.path]) {
+            let _ = fs::remove_dir(folder);
+        }
     }
 
     /// Opens the folder of an earlier run, to continue it, and removes the
@@ -361,8 +369,11 @@ mod tests {
         run.give_up();
         assert!(!run.path().exists());
         let run = taken(parent.path().join("run"), false).unwrap();
+        run.write_scene("a scene").unwrap();
+        fs::write(run.file("notes.txt"), "mine").unwrap();
         run.give_up();
-        assert!(run.checkpoints().is_dir());
+        let left: Vec<_> = entries(run.path()).unwrap().iter().map(|path| name_of(path)).collect();
+        assert_eq!(left, ["notes.txt"]);
     }
 
     #[cfg(unix)]

@@ -182,11 +182,19 @@ impl Run {
     }
 
     /// Begins the run, and goes to its end. An earlier run in the folder stays until the particles are placed:
-    /// not before is it known that the scene can run.
+    /// not before is it known that the scene can run. Where there is none the scene comes first: a run that is killed
+    /// while it places them can be resumed.
     fn begin(&self) -> Result<Summary, Failure> {
         let mut filling = Stopwatch::default();
-        let simulation = filling.time(|| self.fill()).inspect_err(|_| self.folder.give_up())?;
-        self.folder.clear()?;
+        let simulation = if self.folder.is_begun() {
+            let simulation = filling.time(|| self.fill())?;
+            self.folder.clear()?;
+            simulation
+        } else {
+            self.folder.clear()?;
+            self.folder.write_scene(&self.scene.text)?;
+            filling.time(|| self.fill()).inspect_err(|_| self.folder.give_up())?
+        };
         self.go(simulation, filling)
     }
 
