@@ -162,7 +162,6 @@ mod tests {
     fn growth(omega: f64, carried_on: impl Fn([f64; 2]) -> f64) -> f64 {
         const STEPS: u32 = 64;
         let (mut place, mut speed, mut looks, mut last_rate) = (1.0, 0.0, [0.0, 0.0], 0.0);
-        let energy = |place: f64, speed: f64| place * place + (speed / omega).powi(2);
         for step in 0..100 * STEPS {
             if step % STEPS == 0 {
                 looks = [looks[1], place];
@@ -176,7 +175,7 @@ mod tests {
             speed -= omega * omega * pressure / f64::from(STEPS);
             place += speed / f64::from(STEPS);
         }
-        energy(place, speed).sqrt()
+        place.hypot(speed / omega)
     }
 
     #[test]

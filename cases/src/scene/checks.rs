@@ -71,7 +71,7 @@ fn check_colour(scene: &Scene, place: Option<&Entry<'_>>) -> Result<(), Fault> {
         return Ok(());
     };
     let mut names: Vec<&str> = assembly.wiring.uses().iter().map(|used| used.field.name).collect();
-    names.extend(FOLLOWING);
+    names.extend(FOLLOWING.map(|(name, _)| name));
     names.sort_unstable();
     names.dedup();
     let asked = scene.output.colour_by.as_str();

@@ -4,8 +4,8 @@ use super::diagnosis::Fault;
 use super::entry::Entry;
 use super::section::Section;
 
-/// What colours pictures besides the fields, from which it follows.
-pub const FOLLOWING: [&str; 3] = ["speed", "size", "pressure"];
+/// What follows from fields and has none, with its unit.
+pub const FOLLOWING: [(&str, &str); 3] = [("speed", "m/s"), ("size", "m"), ("pressure", "Pa")];
 
 /// What a run writes.
 #[derive(Debug, Clone, PartialEq)]

@@ -9,9 +9,6 @@ use meniscus_engine::checkpoint::{CheckpointError, ColumnView, Mapped, Role};
 use super::failure::{Failure, known};
 use super::open;
 
-/// Quantities that no checkpoint needs to hold, with their units.
-pub const FOLLOWING: [(&str, &str); 3] = [("speed", "m/s"), ("size", "m"), ("pressure", "Pa")];
-
 /// What such a quantity is, in words.
 fn about(name: &str) -> &'static str {
     match name {

@@ -7,8 +7,8 @@ use std::process::ExitCode;
 use meniscus_cases::scene::Diagnosis;
 use meniscus_engine::checkpoint::{CheckpointError, ColumnView};
 
-use super::columns::FOLLOWING;
 use crate::output::OutputError;
+use meniscus_cases::scene::FOLLOWING;
 
 /// What an inspection found.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]

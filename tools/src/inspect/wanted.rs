@@ -3,10 +3,10 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use meniscus_cases::scene::Condition;
+use meniscus_cases::scene::{Condition, FOLLOWING};
 use meniscus_engine::checkpoint::ColumnView;
 
-use super::columns::{FOLLOWING, column, quantity, values};
+use super::columns::{column, quantity, values};
 use super::failure::{Failure, Verdict};
 use super::listing::{Choice, Listing};
 use super::open::{open, particles};
