@@ -252,6 +252,8 @@ impl Pipeline {
             work.run(world, &mut costs)?;
         }
         world.rows.are_current = false;
+        // What the start has changed since its list was built is not known to that.
+        world.neighbours.margin = 0.0;
         // Scratch memory keeps its largest piece; no step needs one as large.
         world.arena = Bump::new();
         Ok(())

@@ -3,11 +3,16 @@
 use crate::drops::count;
 use crate::fields;
 use crate::surface::for_surface;
+use crate::work::Work;
 use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
 use meniscus_engine::parallel;
 use meniscus_engine::pipeline::{Fault, World};
 use meniscus_engine::store::{Add, Read};
 use meniscus_engine::wiring::Wiring;
+
+/// The whole mass, kg, among the numbers of the clock: it stays as it was first summed, whoever exchanges mass and
+/// whatever order particles come to have, also after a restart.
+pub const WHOLE_MASS: &str = "whole mass";
 
 /// Over which particles the momentum is spread that surface forces would bring in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,15 +35,15 @@ pub struct MomentumCorrection {
     surface: Read<u32>,
     surface_force: [Read<f64>; 2],
     force: [Add<f64>; 2],
+    /// That of the recoil: the surface forces' own is in already.
+    work: Option<Work>,
     /// F_z/m of each drop, m/s2; of the whole alone if there is one or they are not told apart; none without recoil.
     recoils: Vec<f64>,
-    /// The whole mass in kg, summed in the order that particles have had since the list of that number was built.
-    whole: (u64, f64),
 }
 
 impl MomentumCorrection {
-    /// Adds the surface force to the others.
-    pub fn new(wiring: &mut Wiring, recoil: Recoil) -> Self {
+    /// Adds the surface force to the others; `with_energy` where the scene solves for the total energy.
+    pub fn new(wiring: &mut Wiring, recoil: Recoil, with_energy: bool) -> Self {
         wiring.stage("correction");
         let surface_force = [&fields::SURFACE_FORCE_R, &fields::SURFACE_FORCE_Z];
         MomentumCorrection {
@@ -49,8 +54,8 @@ impl MomentumCorrection {
             surface: wiring.read(&fields::SURFACE),
             surface_force: surface_force.map(|field| wiring.read(field)),
             force: [wiring.add(&fields::FORCE_R), wiring.add(&fields::FORCE_Z)],
+            work: Work::new(wiring, with_energy && recoil != Recoil::None),
             recoils: Vec::new(),
-            whole: (0, 0.0),
         }
     }
 }
@@ -86,11 +91,12 @@ impl ChunkStage for MomentumCorrection {
                 sum
             };
             let sum = parallel::fold_chunks(mass.len(), (), &body, &|a, b| a + b);
-            let builds = world.neighbours.builds();
-            if self.whole.0 != builds {
-                self.whole = (builds, parallel::sum_of(&mass));
+            let mut whole = world.clock.number(WHOLE_MASS);
+            if whole == 0.0 {
+                whole = parallel::sum_of(&mass);
+                world.clock.set_number(WHOLE_MASS, whole);
             }
-            self.recoils.push(sum / self.whole.1);
+            self.recoils.push(sum / whole);
         }
         Ok(())
     }
@@ -105,16 +111,22 @@ impl ChunkStage for MomentumCorrection {
         });
         let (density, [_, force_z]) = (chunk.read(self.density), &mut force);
         let forces = force_z.iter_mut().zip(&*density);
-        match (&self.recoils[..], self.drop) {
-            ([], _) => {}
-            ([recoil], _) => forces.for_each(|(force, density)| *force -= density * recoil),
-            (recoils, drop) => {
-                let drop = drop.map(|drop| chunk.read(drop));
-                let drop = drop.as_deref().unwrap_or_default();
-                forces
-                    .zip(drop)
-                    .for_each(|((force, density), drop)| *force -= density * recoils[*drop as usize]);
-            }
+        let drop = self.drop.map(|drop| chunk.read(drop));
+        let drop = drop.as_deref().unwrap_or_default();
+        match &self.recoils[..] {
+            [] => {}
+            [recoil] => forces.for_each(|(force, density)| *force -= density * recoil),
+            recoils => forces
+                .zip(drop)
+                .for_each(|((force, density), drop)| *force -= density * recoils[*drop as usize]),
+        }
+        if let Some(work) = &self.work {
+            let mut work = work.of(chunk);
+            let recoil = |i: usize| match &self.recoils[..] {
+                [recoil] => *recoil,
+                recoils => recoils[drop[i] as usize],
+            };
+            (0..chunk.len()).for_each(|i| work.add(i, [0.0, -density[i] * recoil(i)], 0.0));
         }
         [0.0; 2]
     }

@@ -230,7 +230,8 @@ impl CurvatureColour {
     /// along the surface.
     fn beside(&self, [r, z]: [f64; 2]) -> AtSurface {
         let near = &self.neighbours;
-        let Some((member, way)) = near.nearest([r, z], 3.0 * self.packing.largest_size) else {
+        let is_known = |member: usize| self.found[near.source(member)].is_surface();
+        let Some((member, way)) = near.nearest([r, z], 3.0 * self.packing.largest_size, is_known) else {
             return Default::default();
         };
         let k = near.source(member);
@@ -263,7 +264,9 @@ impl CurvatureColour {
             let own = packed.size(boundary[k] as usize).min(largest);
             let there = |member: u32| {
                 let other = near.source(member as usize);
-                (packed.area(boundary[other] as usize), tension * found[other].curvature)
+                // Where no surface was found no pressure is known, not a vanishing one.
+                let is_known = found[other].is_surface();
+                is_known.then(|| (packed.area(boundary[other] as usize), tension * found[other].curvature))
             };
             near.slope(k, tension * found[k].curvature, [3.0 * own, own], found[k].tangent, there)
         };

@@ -6,6 +6,7 @@ use crate::rows::PackedState;
 use crate::sound_speed::SoundSpeed;
 use crate::surface::{for_surface, length, outward};
 use crate::surface_interval::COMPUTED;
+use crate::work::Work;
 use meniscus_engine::field::clear;
 use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
 use meniscus_engine::pipeline::{Fault, World};
@@ -43,12 +44,6 @@ struct Balance {
     tangent: [Read<f64>; 2],
 }
 
-/// The energy equation's part of the coupling.
-struct Work {
-    velocity: [Read<f64>; 2],
-    power: Add<f64>,
-}
-
 impl GhostCoupling {
     /// Ghosts hold the Laplace pressure, and `with_balance` what forces lack; `constant_sound_speed` is the liquid's in
     /// m/s, if it has one.
@@ -76,10 +71,7 @@ impl GhostCoupling {
             sound_speed: SoundSpeed::new(wiring, constant_sound_speed),
             strain_rate: wiring.add(&fields::STRAIN_RATE),
             force: force.map(|field| wiring.write(field)),
-            work: with_energy.then(|| Work {
-                velocity: [wiring.read(&fields::VELOCITY_R), wiring.read(&fields::VELOCITY_Z)],
-                power: wiring.add(&fields::POWER),
-            }),
+            work: Work::new(wiring, with_energy),
             cleared: (0, true),
         }
     }
@@ -111,8 +103,7 @@ impl ChunkStage for GhostCoupling {
         let balance = self.balance.as_ref().map(|balance| {
             (balance.lack.map(|field| chunk.read(field)), balance.tangent.map(|field| chunk.read(field)))
         });
-        let velocity = self.work.as_ref().map(|work| work.velocity.map(|field| chunk.read(field)));
-        let mut power = self.work.as_ref().map(|work| chunk.write(work.power));
+        let mut work = self.work.as_ref().map(|work| work.of(chunk));
 
         if self.cleared.1 {
             clear(&mut force_r);
@@ -141,9 +132,9 @@ impl ChunkStage for GhostCoupling {
             let length = length(weight);
             strain_rate[i] += 2.0 * rise * length;
             let force = [0, 1].map(|axis| -2.0 * star * weight[axis] - along[axis]);
-            if let (Some(power), Some([u, w])) = (&mut power, &velocity) {
+            if let Some(work) = &mut work {
                 // U* |bw| = U_a . bw + rise |bw|.
-                power[i] += force[0] * u[i] + force[1] * w[i] - 2.0 * star * rise * length;
+                work.add(i, force, -2.0 * star * rise * length);
             }
             [force_r[i], force_z[i]] = force;
         });

@@ -19,6 +19,9 @@ pub struct InitialPressure<E> {
     with_reference: bool,
     identity: Read<u32>,
     position: [Read<f64>; 2],
+    velocity: [Read<f64>; 2],
+    /// Total energy, where the pressure depends on it.
+    energy: Option<Read<f64>>,
     mass: Read<f64>,
     surface: Read<u32>,
     laplace_pressure: Read<f64>,
@@ -36,6 +39,8 @@ impl<E: EquationOfState> InitialPressure<E> {
             with_reference,
             identity: wiring.read(&fields::IDENTITY),
             position: [wiring.read(&fields::RADIUS), wiring.read(&fields::AXIAL)],
+            velocity: [wiring.read(&fields::VELOCITY_R), wiring.read(&fields::VELOCITY_Z)],
+            energy: E::WITH_ENERGY.then(|| wiring.read(&fields::TOTAL_ENERGY)),
             mass: wiring.read(&fields::MASS),
             surface: wiring.read(&fields::SURFACE),
             laplace_pressure: wiring.read(&fields::LAPLACE_PRESSURE),
@@ -70,12 +75,16 @@ impl<E: EquationOfState> Stage for InitialPressure<E> {
             let [upper, lower] = sums[root as usize];
             if lower > 0.0 { upper / lower } else { 0.0 }
         };
+        let [u, w] = self.velocity.map(|field| store.read(field));
+        let energy = self.energy.map(|field| store.read(field));
+        let internal =
+            |i: usize| energy.as_ref().map_or(0.0, |energy| energy[i] - 0.5 * (u[i] * u[i] + w[i] * w[i]));
         let first = component.first().map_or(0.0, |&root| pressure_of(root));
         for (i, &root) in component.iter().enumerate() {
             let pressure = pressure_of(root);
             // The linear relation about the present density; exact for the linear equation of state.
-            let sound_speed = self.equation.sound_speed(density[i], 0.0);
-            let excess = pressure - self.equation.pressure(density[i], 0.0);
+            let sound_speed = self.equation.sound_speed(density[i], internal(i));
+            let excess = pressure - self.equation.pressure(density[i], internal(i));
             density[i] += excess / (sound_speed * sound_speed);
             let difference = if self.with_reference { pressure - first } else { 0.0 };
             if reference[i] != difference {
@@ -86,7 +95,7 @@ impl<E: EquationOfState> Stage for InitialPressure<E> {
             world.clock.set_number(FIRST_REFERENCE, first);
         }
         // Too low a sound speed makes the pressure ask for a density that there is not.
-        match (0..r.len()).find(|&i| density[i].is_nan() || density[i] <= 0.0) {
+        match (0..r.len()).find(|&i| !(density[i] > 0.0 && density[i].is_finite())) {
             None => Ok(()),
             Some(i) => Err(Fault {
                 stage: "initial-pressure",

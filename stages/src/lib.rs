@@ -42,3 +42,4 @@ pub mod time_step;
 pub mod velocity_gradient;
 pub mod viscosity;
 pub mod void_closing;
+mod work;

@@ -166,12 +166,14 @@ impl SizeEvening {
         for (&i, gain) in self.uneven.iter().zip(&self.gains) {
             let i = i as usize;
             let now = mass[i] + gain.mass;
-            let growth = (now / mass[i]).sqrt() - 1.0;
             let [dr, dz] = gain.moment.map(|moment| moment / now);
             // The innermost rings stay where they are; nothing would hold them off the axis.
             let size = packed.size(i);
-            let is_innermost = r[i] + self.packing.domain.origin + dr < INNERMOST * size;
-            r[i] += if is_innermost { dr.max(0.0) } else { dr };
+            let radius = r[i] + self.packing.domain.origin;
+            let dr = if radius + dr < INNERMOST * size { dr.max(0.0) } else { dr };
+            // A ring that moves inward grows in the plane, too.
+            let growth = (now / mass[i] * radius / (radius + dr)).sqrt() - 1.0;
+            r[i] += dr;
             z[i] += dz;
             mass[i] = now;
             for (column, sum) in carried.iter_mut().zip(gain.carried) {

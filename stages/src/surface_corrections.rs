@@ -5,6 +5,7 @@ use crate::fields;
 use crate::moment::Moment;
 use crate::surface::for_surface;
 use crate::surface_interval::COMPUTED;
+use crate::work::Work;
 use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
 use meniscus_engine::store::{Add, Read};
 use meniscus_engine::wiring::Wiring;
@@ -22,11 +23,12 @@ pub struct TangentialPressure {
     lack_slope: Read<f64>,
     tangent: [Read<f64>; 2],
     force: [Add<f64>; 2],
+    work: Option<Work>,
 }
 
 impl TangentialPressure {
-    /// Adds to the surface force.
-    pub fn new(wiring: &mut Wiring) -> Self {
+    /// Adds to the surface force, and `with_energy` its work to that of the others.
+    pub fn new(wiring: &mut Wiring, with_energy: bool) -> Self {
         wiring.stage("tangential-pressure");
         let force = [&fields::SURFACE_FORCE_R, &fields::SURFACE_FORCE_Z];
         TangentialPressure {
@@ -37,6 +39,7 @@ impl TangentialPressure {
             lack_slope: wiring.read(&fields::TENSION_LACK_SLOPE),
             tangent: [wiring.read(&fields::SURFACE_TANGENT_R), wiring.read(&fields::SURFACE_TANGENT_Z)],
             force: force.map(|field| wiring.add(field)),
+            work: Work::new(wiring, with_energy),
         }
     }
 }
@@ -59,12 +62,16 @@ impl ChunkStage for TangentialPressure {
         // Carried on as the Laplace pressure is (`ghost_coupling`).
         let elapsed = around.clock.time - around.clock.mark(COMPUTED);
         let [mut force_r, mut force_z] = self.force.map(|field| chunk.write(field));
+        let mut work = self.work.as_ref().map(|work| work.of(chunk));
         for_surface(&chunk.read(self.surface), |i| {
             let missing = Moment { rr: rr[i], rz: rz[i], zz: zz[i] };
-            let [r, z] = missing.apply([tangent_r[i], tangent_z[i]]);
             let slope = slope[i] + elapsed * slope_rate[i] + lack_slope[i];
-            force_r[i] -= slope * r;
-            force_z[i] -= slope * z;
+            let force = missing.apply([tangent_r[i], tangent_z[i]]).map(|component| -slope * component);
+            force_r[i] += force[0];
+            force_z[i] += force[1];
+            if let Some(work) = &mut work {
+                work.add(i, force, 0.0);
+            }
         });
         [0.0; 2]
     }

@@ -15,6 +15,11 @@ pub(crate) struct Found {
 }
 
 impl Found {
+    /// Whether there is a surface.
+    pub fn is_surface(&self) -> bool {
+        self.tangent != [0.0; 2]
+    }
+
     /// Curvature (1/m) of a particle of the given size (m) that juts out: it lies outside of the surface that was
     /// found for it, the contour c = 1/2, instead of half a size below. The colour field smooths so narrow a bump
     /// away (of a wave five particle sizes long it keeps a seventh of the height, of four a sixtieth), and with it

@@ -134,6 +134,31 @@ fn a_spheroid_that_has_swung_out_and_back_has_its_energy_again() {
     assert!(lost < 0.01, "{lost}");
 }
 
+/// A central force that does no work in the energy equation heats the liquid by as much as it slows it.
+#[test]
+fn a_central_force_does_its_work() {
+    let water = [
+        "liquid.equation_of_state=mie-grueneisen",
+        "liquid.adiabat_slope=2",
+        "liquid.grueneisen=2",
+        "liquid.density=\"1000 kg/m3\"",
+    ];
+    let scene = drops::scene(SPHEROID, &water);
+    let mut simulation = drops::start(&scene);
+    let internal = |simulation: &Simulation| {
+        let [energy, mass] = ["total_energy", "mass"].map(|name| column(simulation, name));
+        energy.iter().zip(&mass).map(|(energy, mass)| energy * mass).sum::<f64>() - totals(simulation).kinetic
+    };
+    let (start, kinetic) = (internal(&simulation), totals(&simulation).kinetic);
+    while simulation.world.clock.time < 0.5 {
+        drops::advance(&mut simulation, 1);
+    }
+    let (warmed, slowed) = (internal(&simulation) - start, kinetic - totals(&simulation).kinetic);
+    println!("warmed {}, slowed {}", warmed / kinetic, slowed / kinetic);
+    assert!(slowed > 0.1 * kinetic);
+    assert!(warmed.abs() < 0.1 * slowed, "{}", warmed / slowed);
+}
+
 #[test]
 fn shifting_brings_no_momentum() {
     let scene = drops::scene(SPHEROID, &["stiffness=\"0 Hz^2\"", "duration=\"1 s\""]);

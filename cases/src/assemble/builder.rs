@@ -167,7 +167,12 @@ impl Builder<'_> {
         let stiffness = self.physics.central_force;
         let reasons = ("the scene has a central force", "the scene has none");
         if self.plan("central-force", stiffness > 0.0, reasons) {
-            stages.push(AnyStage::chunks(CentralForce::new(&mut self.wiring, stiffness, origin)));
+            stages.push(AnyStage::chunks(CentralForce::new(
+                &mut self.wiring,
+                stiffness,
+                origin,
+                with_energy,
+            )));
         }
         let method = &self.physics.method;
         let without_images =
@@ -217,7 +222,8 @@ impl Builder<'_> {
         }
         let reasons = ("ghosts carry no gradient along the surface", "not asked for, or no colour field");
         if self.plan("tangential-pressure", self.with_slope(), reasons) {
-            stages.push(AnyStage::chunks(TangentialPressure::new(&mut self.wiring)));
+            let with_energy = self.with_energy();
+            stages.push(AnyStage::chunks(TangentialPressure::new(&mut self.wiring, with_energy)));
         }
         let reasons = ("the pair sum of the strain is short at the surface", "not asked for, or no tension");
         if self.plan("strain-correction", self.corrects_strain(), reasons) {
@@ -242,8 +248,8 @@ impl Builder<'_> {
         }
         let reasons = ("surface forces join; they must not move the whole", "there is no surface tension");
         if self.plan("correction", self.with_tension(), reasons) {
-            let recoil = self.physics.method.momentum_correction;
-            stages.push(AnyStage::chunks(MomentumCorrection::new(&mut self.wiring, recoil)));
+            let (recoil, with_energy) = (self.physics.method.momentum_correction, self.with_energy());
+            stages.push(AnyStage::chunks(MomentumCorrection::new(&mut self.wiring, recoil, with_energy)));
         }
         self.plan("integrate", true, ("time moves on", ""));
         stages.push(self.integrate());

@@ -33,13 +33,16 @@ fn unknown(name: String) -> Outcome {
     Outcome { doubt: Some(doubt), ..Outcome::of(name, None, "1").against(0.0) }
 }
 
-/// Kinetic, internal and surface energy; `None` where surface tension acts on a liquid whose surface is not
+/// Kinetic, internal, surface and potential energy; `None` where surface tension acts on a liquid whose surface is not
 /// known.
 pub(super) fn energies(scene: &Scene, history: &History) -> Option<Vec<f64>> {
     let mut energy = history.of("kinetic energy");
     let mut parts = vec![history.of("internal energy")];
     if scene.liquid.surface_tension > 0.0 {
         parts.push(history.of("surface energy"));
+    }
+    if scene.central_force > 0.0 {
+        parts.push(history.of("potential energy"));
     }
     for part in &parts {
         energy.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);

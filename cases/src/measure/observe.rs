@@ -90,6 +90,9 @@ impl Observer {
         if self.surface.is_some() {
             quantities.push(Quantity { name: "surface energy".to_owned(), unit: "J" });
         }
+        if self.physics.central_force > 0.0 {
+            quantities.push(Quantity { name: "potential energy".to_owned(), unit: "J" });
+        }
         quantities.extend(with_index(&self.measures).flat_map(|(measure, index)| columns_of(measure, index)));
         quantities
     }
@@ -124,6 +127,9 @@ impl Observer {
         if let Some(surface) = &self.surface {
             row.push(surface.energy((&self.physics, store), &particles, &self.measures, &of_measures));
         }
+        if self.physics.central_force > 0.0 {
+            row.push(self.potential_energy(&particles));
+        }
         row.extend(of_measures.into_iter().flatten());
         row
     }
@@ -135,6 +141,15 @@ impl Observer {
         row.extend([mass, momentum, scale, kinetic, internal, rms]);
         row.extend(extents);
         row.push(fastest_square.sqrt());
+    }
+
+    /// That of the central force, m B^2 x^2/2 of every particle, in J.
+    fn potential_energy(&self, particles: &Particles) -> f64 {
+        let (sum, _) = mass_sum(particles.r.len(), |eight| {
+            let [r, z] = self.place(particles, eight.clone(), 0.0);
+            [r.mul_add(r, z * z), Lanes::load_or(&particles.mass[eight], 0.0)]
+        });
+        0.5 * self.physics.central_force * sum
     }
 
     /// Specific internal energies in J/kg, or what compression alone has stored.

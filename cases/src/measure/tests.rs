@@ -21,6 +21,21 @@ fn one_observation_tells_of_no_change_and_no_number_of_no_value() {
     assert!(outcome.doubt.expect("a doubt").contains("no particles are where it looks"));
 }
 
+/// What a central force takes from the motion it can give back.
+#[test]
+fn potential_energy_counts() {
+    let text = "format = 1\n[liquid]\ndensity = \"1 kg/m3\"\n[[body]]\nshape = { sphere = { radius = \"1 m\" } }\n\
+                velocity = { z = \"1 m/s\" }\n[forces]\ncentral = \"2 Hz^2\"\n[particles]\nsize = \"1 cm\"\n[run]\n\
+                until = \"1 s\"\n";
+    let scene = parse("drop.toml", text, &[]).expect("a scene");
+    let names = ["time", "kinetic energy", "internal energy", "potential energy"];
+    let mut history = History::new(names.map(|name| Quantity { name: name.to_owned(), unit: "1" }).to_vec());
+    history.push(vec![0.0, 3.0, 1.0, 0.5]);
+    history.push(vec![1.0, 1.0, 1.5, 2.0]);
+    let [_, energy, _] = conservation(&scene, &history);
+    assert_eq!(energy, 0.0);
+}
+
 const WATER: Drop = Drop { radius: 2.5e-6, density: 1000.0, surface_tension: 0.074, viscosity: 0.0 };
 
 fn expected() -> Mode {

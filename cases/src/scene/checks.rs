@@ -21,6 +21,8 @@ pub(super) struct Places<'a> {
     pub(super) viscosity: Entry<'a>,
     /// What colours the pictures, if the scene says so.
     pub(super) colour: Option<Entry<'a>>,
+    /// The period, if the domain has one.
+    pub(super) period: Option<Entry<'a>>,
     /// The time integration, or the flux that does not fit it, if the scene names one.
     pub(super) integration: Option<Entry<'a>>,
 }
@@ -37,12 +39,17 @@ const NOTABLE: f64 = 0.1;
 /// Keeps advice on the safe side of its limit after rounding to five digits.
 const ROUNDING: f64 = 0.9999;
 
+/// Shortest period over the widest support: particles may grow to twice their size at the start, and their supports with
+/// them.
+const PERIOD_SUPPORTS: f64 = 2.0;
+
 /// Heights at which two bodies are compared.
 const LINES: usize = 256;
 
 /// Checks a scene as a whole and hands back the doubts about it.
 pub(super) fn check(scene: &Scene, places: &Places<'_>) -> Result<Vec<Fault>, Fault> {
     check_colour(scene, places.colour.as_ref())?;
+    check_period_support(scene, places.period.as_ref())?;
     for (body, place) in scene.bodies.iter().zip(places.shapes) {
         check_place(body, place)?;
         check_resolution(scene, body, places.size)?;
@@ -136,6 +143,24 @@ fn check_period(scene: &Scene, body: &Body, place: &Entry<'_>) -> Result<(), Fau
         }
         _ => Ok(()),
     }
+}
+
+/// A particle has one image at most to either side: sums over wide supports would miss the second ones.
+fn check_period_support(scene: &Scene, place: Option<&Entry<'_>>) -> Result<(), Fault> {
+    let (Some(period), Some(place)) = (scene.domain.period, place) else { return Ok(()) };
+    let support = scene.method.widest_support(scene.liquid.surface_tension > 0.0);
+    let reach = PERIOD_SUPPORTS * support * scene.particle_size;
+    if period > reach * (1.0 - 1e-12) {
+        return Ok(());
+    }
+    let message = format!(
+        "the period of {} m is too short: it must be {PERIOD_SUPPORTS} times as long as the widest support, \
+         {} particle sizes",
+        Short(period),
+        Short(support)
+    );
+    let help = format!("make it {} m or more, or choose smaller particles", Short(reach / ROUNDING));
+    Err(place.fault(message, help))
 }
 
 /// A point inside both bodies, if a line of the grid finds one.

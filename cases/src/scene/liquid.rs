@@ -112,6 +112,12 @@ pub(super) fn read(entry: Entry<'_>) -> Result<(Liquid, [Entry<'_>; 2]), Fault> 
         sound_speed: given,
         equation_of_state,
     };
+    if let (Some(place), Name::IdealGas) = (table.optional("surface_tension"), name)
+        && liquid.surface_tension > 0.0
+    {
+        let help = "leave it out, or choose another equation_of_state";
+        return Err(place.fault("an ideal gas fills what room there is: it has no surface", help));
+    }
     let viscosity = table.optional("viscosity");
     Ok((liquid, [sound_speed, viscosity].map(|place| place.unwrap_or_else(|| whole.clone()))))
 }

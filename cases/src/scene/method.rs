@@ -112,6 +112,20 @@ impl Method {
         }
     }
 
+    /// The widest support radius of a sum, in particle sizes: that of pairs, and `with_tension` those that find the
+    /// surface and its curvature.
+    pub fn widest_support(&self, with_tension: bool) -> f64 {
+        let pairs = 4.0 * self.theta;
+        let colour = self.colour_guard > 0.0 || self.curvature == Curvature::ColourField;
+        let surface = match self.curvature {
+            _ if !with_tension => 0.0,
+            Curvature::NormalDivergence if !colour => 4.0 * self.normal_theta,
+            Curvature::NormalDivergence => self.colour_support.max(4.0 * self.normal_theta),
+            Curvature::ColourField => self.colour_support,
+        };
+        pairs.max(surface)
+    }
+
     /// The paper's own choices.
     pub fn paper() -> Self {
         Self {

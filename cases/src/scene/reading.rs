@@ -90,6 +90,7 @@ pub(super) fn scene(name: &str, text: &str) -> Result<(Scene, Vec<Fault>), Fault
         sound_speed,
         viscosity,
         colour: table.inner("output", "colour_by"),
+        period: table.inner("domain", "period"),
         integration: chosen("time_integration").or_else(|| chosen("flux")),
     };
     let doubts = checks::check(&scene, &places)?;

@@ -8,6 +8,7 @@ use meniscus_engine::clock::Clock;
 use meniscus_engine::field::{Description, Role, Values};
 use meniscus_engine::pipeline::{Fault, World};
 use meniscus_engine::store::Store;
+use meniscus_stages::correction::WHOLE_MASS;
 use meniscus_stages::fields;
 use meniscus_stages::reference_pressure::FIRST_REFERENCE;
 use meniscus_stages::surface_interval::{COMPUTED, HOLDS_UNTIL};
@@ -15,7 +16,7 @@ use meniscus_stages::surface_interval::{COMPUTED, HOLDS_UNTIL};
 /// The marks that stages set on the clock.
 const MARKS: [&str; 3] = [COMPUTED, HOLDS_UNTIL, "list"];
 /// The numbers of the whole scene that stages keep there.
-const NUMBERS: [&str; 1] = [FIRST_REFERENCE];
+const NUMBERS: [&str; 2] = [FIRST_REFERENCE, WHOLE_MASS];
 /// Start of the names of numbers that count the steps which a bound has set.
 const BOUND: &str = "steps bound by ";
 

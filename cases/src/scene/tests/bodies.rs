@@ -1,4 +1,4 @@
-use super::{changed, mistake, mistake_at, shaped};
+use super::{changed, mistake, mistake_at, settings, shaped};
 use crate::scene::{EquationOfState, parse};
 
 #[test]
@@ -82,6 +82,22 @@ fn fields_are_finite_and_bodies_apart() {
     mistake(&periodic, &[], &["more than the period of 4e-6 m"]);
 }
 
+/// A particle has one image to either side: with supports of 15 and 20 particle sizes in a period of 10 a cylinder's Laplace
+/// pressure was too low by 3 and 21 %.
+#[test]
+fn supports_fit_into_a_period() {
+    let cylinder = shaped("{ cylinder = { radius = \"radius\", bottom = \"-0.78 um\", top = \"0.78 um\" } }");
+    let periodic = cylinder.replacen("[particles]", "[domain]\nperiod = \"1.56 um\"\n[particles]", 1);
+    mistake_at(
+        &periodic,
+        26,
+        "\"1.56 um\"",
+        &["too short", "2 times", "11 particle sizes", "1.571e-6 m or more"],
+    );
+    let narrower = settings(&["method.colour_support=10"]);
+    assert!(parse("jet.toml", &periodic, &narrower).is_ok());
+}
+
 #[test]
 fn lists_of_shapes_are_not_empty() {
     mistake_at(
@@ -98,6 +114,8 @@ fn a_gas_has_its_own_keys() {
         "equation_of_state = \"linear\"",
         "equation_of_state = \"ideal-gas\"\nheat_ratio = \"5/3\"\n[forces]\ncentral = \"2 Hz^2\"",
     );
+    mistake_at(&gas, 8, "\"0.074 N/m\"", &["it has no surface", "another equation_of_state"]);
+    let gas = gas.replacen("surface_tension = \"surface_tension\"\n", "", 1);
     let gas =
         gas.replacen("velocity = {", "internal_energy = \"3 J/kg\"\ndensity = \"2 g/L\"\nvelocity = {", 1);
     let scene = parse("gas.toml", &gas, &[]).unwrap();
