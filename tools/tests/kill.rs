@@ -7,6 +7,7 @@
 //! ```
 #![cfg(unix)]
 
+use std::ffi::OsString;
 use std::fs;
 use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
@@ -14,8 +15,8 @@ use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant, SystemTime};
 
-/// Some hundred particles that move; a checkpoint every few steps, so that
-/// many kills hit the writing of one.
+/// Some hundred particles that move; a checkpoint every few steps, so that many kills hit the writing of one. Its
+/// pictures show more and more from one to the next.
 const DROP: &str = r#"format = 1
 title = "A drop that is killed"
 [liquid]
@@ -27,10 +28,10 @@ velocity = { r = "-0.1 m/s * r/(1 um)", z = "0.2 m/s * z/(1 um)" }
 [particles]
 size = "100 nm"
 [run]
-until = "1 s"
+until = "40 ns"
 steps = 150
 [output]
-frames = 0
+frames = 8
 series_every = 5
 checkpoint_every = 4
 [[measure]]
@@ -90,12 +91,16 @@ fn signal(child: &Child, signal: &str) {
     Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
 }
 
+fn files_of(folder: &Path) -> Vec<PathBuf> {
+    let mut files: Vec<PathBuf> = fs::read_dir(folder).unwrap().map(|file| file.unwrap().path()).collect();
+    files.sort();
+    files
+}
+
 /// What must not tell of an interruption: the last checkpoint and the series byte for byte, and the
 /// summary without what depends on the machine.
 fn results(run: &Path) -> (Vec<u8>, Vec<u8>, serde_json::Value) {
-    let mut checkpoints: Vec<PathBuf> =
-        fs::read_dir(run.join("checkpoints")).unwrap().map(|file| file.unwrap().path()).collect();
-    checkpoints.sort();
+    let checkpoints = files_of(&run.join("checkpoints"));
     assert!(checkpoints.len() <= 3 && !unfinished(run), "{checkpoints:?}");
     let summary = fs::read_to_string(run.join("summary.json")).unwrap();
     let mut summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
@@ -106,6 +111,21 @@ fn results(run: &Path) -> (Vec<u8>, Vec<u8>, serde_json::Value) {
     }
     let checkpoint = fs::read(checkpoints.last().unwrap()).unwrap();
     (checkpoint, fs::read(run.join("series.csv")).unwrap(), summary)
+}
+
+/// The frames and their lists, byte for byte: they must not tell of it either.
+fn frames(run: &Path) -> Vec<(OsString, Vec<u8>)> {
+    let mut files = files_of(&run.join("frames"));
+    files.push(run.join("particles.pvd"));
+    files.iter().map(|file| (file.file_name().unwrap().to_owned(), fs::read(file).unwrap())).collect()
+}
+
+/// Asserts that a run has the frames of another one.
+fn assert_same_frames(run: &Path, other: &Path) {
+    for (found, expected) in frames(run).iter().zip(&frames(other)) {
+        assert!(found == expected, "{}: {:?} differs from {:?}", run.display(), found.0, expected.0);
+    }
+    assert_eq!(frames(run).len(), frames(other).len());
 }
 
 fn unfinished(run: &Path) -> bool {
@@ -151,12 +171,28 @@ fn a_killed_run_ends_as_an_uninterrupted_one() {
         assert!(found.0 == expected.0, "{run}: the last checkpoint differs");
         assert!(found.1 == expected.1, "{run}: the series differs");
         assert_eq!(found.2, expected.2, "{run}: the summary differs");
+        assert_same_frames(&scene.path(&run), &scene.path("whole"));
         fs::remove_dir_all(scene.path(&run)).unwrap();
     }
     println!(
         "{kills} kills of {runs} runs, {in_writes} within the writing of a checkpoint, {placing} before \
          the particles were placed: all ended like the uninterrupted one"
     );
+}
+
+/// As if the run had been killed long after a checkpoint, when its pictures showed more already.
+#[test]
+fn frames_made_again_are_those_of_an_uninterrupted_run() {
+    let scene = Scene::new(&DROP.replace("every = 4", "every = 60"));
+    for run in ["whole", "killed"] {
+        assert!(scene.start(&["run", "drop.toml", "--out", run], 1).wait().unwrap().success());
+    }
+    let checkpoints = files_of(&scene.path("killed/checkpoints"));
+    for late in &checkpoints[1..] {
+        fs::remove_file(late).unwrap();
+    }
+    assert!(scene.start(&["resume", "killed"], 1).wait().unwrap().success());
+    assert_same_frames(&scene.path("killed"), &scene.path("whole"));
 }
 
 /// Waits until something is so, or the run has ended.
@@ -171,7 +207,8 @@ fn wait_for(child: &mut Child, condition: impl Fn() -> bool) {
 
 #[test]
 fn a_running_scene_checkpoints_and_goes_on() {
-    let scene = Scene::new(&DROP.replace("every = 4", "every = 0").replace("steps = 150", "steps = 100000"));
+    let endless = DROP.replace("until = \"40 ns\"\nsteps = 150", "until = \"1 s\"");
+    let scene = Scene::new(&endless.replace("every = 4", "every = 0"));
     let mut child = scene.start(&["run", "drop.toml", "--out", "run"], 1);
     let count = || fs::read_dir(scene.path("run/checkpoints")).map_or(0, Iterator::count);
     let series = scene.path("run/series.csv");

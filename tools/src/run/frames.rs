@@ -20,7 +20,6 @@ use crate::output::{OutputError, OutputResult};
 /// What is remembered of the frames of a run, in `frames/index.json`.
 #[derive(Debug, Default, Serialize, Deserialize)]
 struct Index {
-    view: Option<View>,
     frames: Vec<Frame>,
 }
 
@@ -37,7 +36,11 @@ struct View {
 struct Frame {
     step: u64,
     time: f64,
-    file: String,
+    /// Its particles, if they were written.
+    file: Option<String>,
+    /// What the pictures show from this one on, if any was drawn: a resumed run goes on with that of the last frame it
+    /// keeps. Indices that were written before frames had views lack it: the view begins anew.
+    view: Option<View>,
 }
 
 /// Writes the frames of a run.
@@ -79,16 +82,22 @@ impl Frames {
         self.due = due;
         let clock = &simulation.world.clock;
         let name = format!("step-{:09}", clock.step);
-        if scene.output.paraview {
-            let file = format!("frames/{name}.vtp");
-            write_particles(&self.folder.file(&file), scene, simulation)?;
-            self.index.frames.push(Frame { step: clock.step, time: clock.time, file });
-            let frames = self.index.frames.iter();
-            let list: Vec<(f64, String)> = frames.map(|f| (f.time, f.file.clone())).collect();
-            write_pvd(&self.folder.particles(), &list)?;
-        }
+        let mut view = self.index.frames.last().and_then(|frame| frame.view);
         if scene.output.picture {
-            self.draw(&format!("frames/{name}.png"), scene, simulation)?;
+            let path = self.folder.file(&format!("frames/{name}.png"));
+            let write = |picture: &Picture| write_picture(&path, picture);
+            with_picture(&mut view, scene, simulation, write).unwrap_or(Ok(()))?;
+        }
+        let file = scene.output.paraview.then(|| format!("frames/{name}.vtp"));
+        if let Some(file) = &file {
+            write_particles(&self.folder.file(file), scene, simulation)?;
+        }
+        self.index.frames.push(Frame { step: clock.step, time: clock.time, file, view });
+        if scene.output.paraview {
+            let frames = self.index.frames.iter();
+            let list: Vec<(f64, String)> =
+                frames.filter_map(|frame| Some((frame.time, frame.file.clone()?))).collect();
+            write_pvd(&self.folder.particles(), &list)?;
         }
         self.keep_index()
     }
@@ -98,12 +107,6 @@ impl Frames {
         let text = serde_json::to_string_pretty(&self.index)
             .map_err(|error| OutputError::data(&path, error.to_string()))?;
         write_atomic(&path, |file| file.write_all(text.as_bytes()))
-    }
-
-    fn draw(&mut self, file: &str, scene: &Scene, simulation: &Simulation) -> OutputResult<()> {
-        let path = self.folder.file(file);
-        let write = |picture: &Picture| write_picture(&path, picture);
-        with_picture(&mut self.index.view, scene, simulation, write).unwrap_or(Ok(()))
     }
 }
 
@@ -254,11 +257,20 @@ mod tests {
 
     #[test]
     fn the_index_comes_back_bit_for_bit() {
-        let frame = |step: u64| Frame { step, time: step as f64 * 1.7e-10 / 3.0, file: String::new() };
-        let index = Index { view: None, frames: (0..1000).map(frame).collect() };
+        let frame = |step: u64| Frame { step, time: step as f64 * 1.7e-10 / 3.0, file: None, view: None };
+        let index = Index { frames: (0..1000).map(frame).collect() };
         let text = serde_json::to_string(&index).unwrap();
         let back: Index = serde_json::from_str(&text).unwrap();
         let times = |index: &Index| index.frames.iter().map(|frame| frame.time).collect::<Vec<_>>();
         assert_eq!(times(&back), times(&index));
+    }
+
+    #[test]
+    fn an_index_without_the_views_of_frames_keeps_its_frames() {
+        let text =
+            r#"{"view": null, "frames": [{"step": 3, "time": 1e-9, "file": "frames/step-000000003.vtp"}]}"#;
+        let index: Index = serde_json::from_str(text).unwrap();
+        let [frame] = &index.frames[..] else { panic!("{index:?}") };
+        assert!(frame.step == 3 && frame.file.is_some() && frame.view.is_none());
     }
 }
