@@ -74,16 +74,12 @@ impl<'a> Entry<'a> {
         Err(self.fault(message, help))
     }
 
-    /// A whole number of at least `least`.
+    /// A whole number of at least `least`, and of at most 2^53: beyond that not every one has its own f64.
     pub(super) fn count(&self, least: u64) -> Result<u64, Fault> {
-        let value = self.quantity(Kind { example: "10", ..NUMBER })?;
-        // 2^53: beyond it not every whole number has its own f64.
-        if value.fract() == 0.0 && value >= least as f64 && value <= 9_007_199_254_740_992.0 {
-            return Ok(value as u64);
-        }
-        let message =
-            format!("`{}` is {}: it must be a whole number, {least} or more", self.key(), Short(value));
-        Err(self.fault(message, format!("write it like {} = {}", self.key(), least.max(10))))
+        let rule = format!("must be a whole number from {least} to 2^53");
+        let accept =
+            |value: f64| value.fract() == 0.0 && (least as f64..=9_007_199_254_740_992.0).contains(&value);
+        Ok(self.checked(Kind { example: "10", ..NUMBER }, &rule, accept)? as u64)
     }
 
     /// An expression in r and z; of any dimension without a `kind`.

@@ -64,7 +64,10 @@ fn values_have_their_type() {
         "true",
         &["`frames` expects a number without unit, not true or false"],
     );
-    mistake_at(&changed("frames = 10", "frames = 2.5"), 37, "2.5", &["whole number"]);
+    mistake_at(&changed("frames = 10", "frames = 2.5"), 37, "2.5", &["whole number from 0"]);
+    let most = i64::MAX.to_string();
+    let mistake = changed("frames = 10", &format!("frames = {most}"));
+    mistake_at(&mistake, 37, &most, &["`frames` is 9.2234e18", "from 0 to 2^53"]);
     mistake_at(
         &changed("frames = 10", "picture = \"yes\""),
         37,
