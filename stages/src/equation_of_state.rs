@@ -22,7 +22,7 @@ use std::ops::Range;
 pub struct Packing {
     /// Axis and period.
     pub domain: Domain,
-    /// Smoothing length parameter.
+    /// Smoothing length over the sum of two particles' sizes.
     pub theta: f64,
     /// Largest particle size for which the support grows, m: near the axis D grows without bound.
     pub largest_size: f64,

@@ -15,7 +15,7 @@ pub struct AxisState<T: Scalar = f64> {
 /// How far particles see each other (method.md, section 1).
 #[derive(Clone, Copy, Debug)]
 pub struct Support {
-    /// Smoothing length parameter.
+    /// Smoothing length over the sum of two particles' sizes.
     pub theta: f64,
     /// Largest particle size for which the support grows, in the rows' unit of length.
     pub largest_size: f64,

@@ -44,7 +44,7 @@ pub struct Strength {
     pub speed: f64,
     /// The scene's slowest rate of deformation that matters, 1/s: one over its capillary time.
     pub rate: f64,
-    /// Smoothing length parameter.
+    /// Smoothing length over the sum of two particles' sizes.
     pub theta: f64,
     /// Distance of the scene's origin from the axis, m.
     pub origin: f64,

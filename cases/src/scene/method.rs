@@ -17,7 +17,7 @@ pub struct Method {
     pub axis: AxisTreatment,
     /// Width K of the zone next to the axis, in smoothing lengths; at least 1.
     pub axis_factor: f64,
-    /// Smoothing length over particle size, between 0.4 and 1.5.
+    /// Smoothing length over the sum of two particles' sizes, between 0.4 and 1.5.
     pub theta: f64,
     /// States of the Riemann problems.
     pub flux: Flux,
@@ -32,7 +32,7 @@ pub struct Method {
     pub curvature_interval: u64,
     /// Support of the colour field, in particle sizes; positive.
     pub colour_support: f64,
-    /// Smoothing length of the normals over particle size, between 0.4 and 3.
+    /// Smoothing length of the paper's normals over the sum of two particles' sizes, between 0.4 and 3.
     pub normal_theta: f64,
     /// Pressure that forces are measured from.
     pub reference_pressure: ReferencePressure,
@@ -79,7 +79,7 @@ pub const SHIFTING_INTERVAL: u64 = 3;
 /// radius an error of .31, .34 and .53 % and take 1.4, .6 and .3 % of its energy in 7 s; none leaves 1.9 %.
 pub const FREE_SHIFTING: f64 = 4.0;
 
-/// Smoothing lengths up to which [`FREE_SHIFTING`] is whole, and from which on there is none: neighbours that are drawn out
+/// Thetas up to which [`FREE_SHIFTING`] is whole, and from which on there is none: neighbours that are drawn out
 /// into rows still see each other then, and a long spheroid wins up to 1 % of its energy by shifting with .6, 9 and 27 %
 /// with .75 and 1 if it is whole there.
 pub const FREE_SHIFTING_THETA: [f64; 2] = [0.5, 0.7];

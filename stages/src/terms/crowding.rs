@@ -20,7 +20,7 @@ pub struct Crowding {
 }
 
 impl Crowding {
-    /// Writes the two components; `theta` is the smoothing length parameter.
+    /// Writes the two components; `theta` is the smoothing length over the sum of two particles' sizes.
     pub fn new(wiring: &mut Wiring, theta: f64) -> Self {
         let crowding = [wiring.write(&fields::CROWDING_R), wiring.write(&fields::CROWDING_Z)];
         // Two equal particles at their regular distance D lie at q = 1/(4 theta).
