@@ -14,9 +14,9 @@ use meniscus_engine::wiring::Wiring;
 /// rho_a dE_a/dt = sum_b w_ab (tau_a e_ab . U_b + tau_b e_ab . U_a)/2 g_ab
 /// ```
 /// with tau = mu (grad U + grad U^T) from the records; where Parshikov's weights hold, plus
-/// (tau_rr e_r + tau_rz e_z)/R_a and its power. There is no bulk viscosity beside it. The pair force is
-/// antisymmetric, rigid motions have no stress, and beyond the surface there is nothing to pull: it is free of
-/// traction. Tried and worse (`cases/viscous-drop`): the central force along e_ab (Monaghan & Gingold), that
+/// (tau_rr e_r + tau_rz e_z)/R_a and its power. The bulk viscosity is 2/3 mu: tau is that of the
+/// whole rate of deformation, not of its deviator alone. The pair force is antisymmetric, rigid motions have no stress,
+/// and beyond the surface there is nothing to pull: it is free of traction. Tried and worse (`cases/viscous-drop`): the central force along e_ab (Monaghan & Gingold), that
 /// along U_b - U_a (Morris), and tau L^{-1} for tau.
 pub struct Viscosity<G> {
     geometry: G,
