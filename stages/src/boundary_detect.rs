@@ -14,7 +14,7 @@ use meniscus_engine::field::clear;
 use meniscus_engine::lanes::{Lanes, WIDTH};
 use meniscus_engine::parallel;
 use meniscus_engine::pipeline::{Fault, Stage, World};
-use meniscus_engine::store::{Read, Write};
+use meniscus_engine::store::{Read, Write, bytes_of};
 use meniscus_engine::wiring::Wiring;
 use std::sync::{Arc, Mutex};
 
@@ -213,7 +213,8 @@ impl Stage for BoundaryDetect {
     fn bytes(&self) -> usize {
         // Other stages share the field; this one takes it up.
         let field = self.guard.as_ref().and_then(|guard| guard.field.lock().ok());
-        field.map_or(0, |field| field.bytes())
+        let numbers = [&self.candidates, &self.doubtful, &self.refused].map(bytes_of);
+        field.map_or(0, |field| field.bytes()) + numbers.iter().sum::<usize>()
     }
 
     fn run(&mut self, world: &mut World) -> Result<(), Fault> {
@@ -253,6 +254,17 @@ mod tests {
             ColourGuard { field: Arc::default(), highest: 0.85, support: SUPPORT, with_offset: false };
         let colour = field.at(100.0, -depth, support);
         (guard.is_deep(&colour, size, 1.0), colour.value)
+    }
+
+    #[test]
+    fn it_tells_the_memory_of_its_lists() {
+        let domain = Domain { origin: 0.0, period: None };
+        let packing = Packing { domain, theta: 0.5, largest_size: 1.0 };
+        let mut stage = BoundaryDetect::new(&mut Wiring::new(), packing, 1, None);
+        for list in [&mut stage.candidates, &mut stage.doubtful, &mut stage.refused] {
+            list.reserve_exact(100);
+        }
+        assert_eq!(stage.bytes(), 3 * 100 * size_of::<u32>());
     }
 
     /// In the tip of a splash the colour was 1.4 inside, and .88 at the particle on the axis.

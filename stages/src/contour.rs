@@ -249,7 +249,8 @@ impl Contour {
     /// Bytes that it holds.
     pub fn bytes(&self) -> usize {
         let columns = self.places.iter().chain(&self.columns).map(bytes_of).sum::<usize>();
-        columns + bytes_of(&self.corners) + bytes_of(&self.around) + self.bins.bytes()
+        let rest = bytes_of(&self.images) + bytes_of(&self.corners) + bytes_of(&self.around);
+        columns + rest + self.bins.bytes()
     }
 
     /// The particle behind a member, and whether that is mirrored.
@@ -439,6 +440,15 @@ mod tests {
 
     fn sum(of: impl Iterator<Item = [f64; 2]>) -> [f64; 2] {
         of.fold([0.0; 2], |sum, part| [sum[0] + part[0], sum[1] + part[1]])
+    }
+
+    #[test]
+    fn it_tells_the_memory_of_its_images() {
+        let mut contour = taken_up(&circle(0.0, 0.0, 1.0), 0.0);
+        let all = contour.bytes();
+        let images = std::mem::take(&mut contour.images);
+        assert!(!images.is_empty());
+        assert_eq!(all - contour.bytes(), bytes_of(&images));
     }
 
     #[test]
