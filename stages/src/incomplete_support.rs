@@ -2,6 +2,7 @@
 
 use crate::boundary_detect::EIGENVALUE;
 use crate::fields;
+use crate::moment::eigenvalue_margin;
 use crate::surface::INSIDE;
 use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
 use meniscus_engine::lanes::{Lanes, WIDTH};
@@ -58,7 +59,7 @@ impl ChunkStage for IncompleteSupport {
             let load = |column: &[f64], fill| Lanes::load_or(&column[eight.clone()], fill);
             let (rr, rz, zz) = (load(&rr, 1.0), load(&rz, 0.0), load(&zz, 1.0));
             let is_inside = surface[eight.clone()].iter().fold(INSIDE, |any, code| any | code) == INSIDE;
-            if is_inside && are_complete(rr, rz, zz) {
+            if is_inside && eigenvalue_margin([rr, rz, zz], EIGENVALUE).all_positive() {
                 // Written only where they are not zero already: then 1 - L_rr is not, for one of eight at least.
                 if load(&lack_rr, 0.0).abs().less_bits(Lanes::splat(f64::MIN_POSITIVE)) != 0xff {
                     for column in [&mut lack_rr, &mut lack_rz, &mut lack_zz] {
@@ -79,13 +80,4 @@ impl ChunkStage for IncompleteSupport {
         }
         [0.0; 2]
     }
-}
-
-/// Whether no eigenvalue of eight matrices L is below 3/4, as
-/// [`Moment::eigenvalues_at_least`](crate::moment::Moment::eigenvalues_at_least) has it.
-#[inline(always)]
-fn are_complete(rr: Lanes, rz: Lanes, zz: Lanes) -> bool {
-    let least = Lanes::splat(EIGENVALUE);
-    let (above_rr, above_zz) = (rr - least, zz - least);
-    (above_rr + above_zz).min(rz.neg_mul_add(rz, above_rr * above_zz)).all_positive()
 }

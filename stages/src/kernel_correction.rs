@@ -2,6 +2,7 @@
 
 use crate::boundary_detect::EIGENVALUE;
 use crate::fields;
+use crate::moment::eigenvalue_margin;
 use crate::surface::INSIDE;
 use meniscus_engine::clock::Clock;
 use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
@@ -95,18 +96,14 @@ type Columns<'a> = (&'a [f64], &'a [f64], &'a [f64], &'a mut [f64]);
 /// number of those inside.
 fn follow((rr, rz, zz, scale): Columns, part: f64, surface: Option<&[u32]>) -> Partial {
     let (mut sum, mut count) = (Lanes::ZERO, Lanes::ZERO);
-    let enough = Lanes::splat(EIGENVALUE);
     for first in (0..scale.len()).step_by(WIDTH) {
         let eight = first..scale.len().min(first + WIDTH);
         let load = |column: &[f64], fill| Lanes::load_or(&column[eight.clone()], fill);
         let (rr, rz, zz) = (load(rr, 1.0), load(rz, 0.0), load(zz, 1.0));
         let change = Lanes::splat(2.0) / (rr + zz) - Lanes::ONE;
         let now = load(scale, 1.0) * Lanes::splat(part).mul_add(change, Lanes::ONE);
-        // As Moment::eigenvalues_at_least has it: trace and determinant of L - 3/4 are not negative.
-        let (above_rr, above_zz) = (rr - enough, zz - enough);
-        let least = (above_rr + above_zz).min(rz.neg_mul_add(rz, above_rr * above_zz));
-        let zero = Lanes::splat(-f64::MIN_POSITIVE);
-        least.select_greater(zero, now, Lanes::splat(f64::NAN)).store(&mut scale[eight.clone()]);
+        let margin = eigenvalue_margin([rr, rz, zz], EIGENVALUE);
+        margin.select_greater(Lanes::ZERO, now, Lanes::splat(f64::NAN)).store(&mut scale[eight.clone()]);
         let is_inside = |k: usize| {
             let inside = surface.is_none_or(|surface| surface[k] == INSIDE);
             if inside { 1.0 } else { 0.0 }
@@ -115,7 +112,7 @@ fn follow((rr, rz, zz, scale): Columns, part: f64, surface: Option<&[u32]>) -> P
             WIDTH => std::array::from_fn(|lane| is_inside(first + lane)),
             len => std::array::from_fn(|lane| if lane < len { is_inside(first + lane) } else { 0.0 }),
         };
-        let interior = least.select_greater(zero, Lanes::load(&inside), Lanes::ZERO);
+        let interior = margin.select_greater(Lanes::ZERO, Lanes::load(&inside), Lanes::ZERO);
         sum += interior.select_greater(Lanes::ZERO, now, Lanes::ZERO);
         count += interior;
     }

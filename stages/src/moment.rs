@@ -1,4 +1,6 @@
-//! The moment matrix of one particle: its eigenvalues and anisotropy.
+//! The moment matrix of one particle, and of eight: their eigenvalues and anisotropy.
+
+use meniscus_engine::lanes::Lanes;
 
 /// A symmetric 2 x 2 matrix, rows and columns in the order r, z.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,9 +55,43 @@ impl Moment {
     }
 }
 
+/// Above zero where both eigenvalues of one of eight matrices, in the order rr, rz, zz, are at least `least`, as
+/// [`Moment::eigenvalues_at_least`] has it up to rounding; else not, nor where one is no number.
+#[inline(always)]
+pub fn eigenvalue_margin([rr, rz, zz]: [Lanes; 3], least: f64) -> Lanes {
+    let least = Lanes::splat(least);
+    let (rr, zz) = (rr - least, zz - least);
+    // Zero is enough: what little is added lifts it, and no other value, above zero.
+    (rr + zz).min(rz.neg_mul_add(rz, rr * zz)) + Lanes::splat(f64::MIN_POSITIVE)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// With quarters nothing is rounded: trace and determinant of many of these are zero exactly.
+    #[test]
+    fn eight_matrices_are_judged_as_one() {
+        const LEAST: f64 = 0.75;
+        let quarters: [f64; 8] = std::array::from_fn(|k| 0.25 * k as f64);
+        let mut enough = 0;
+        for rr in quarters {
+            for rz in quarters {
+                let [rr_lanes, rz_lanes] = [rr, -rz].map(Lanes::splat);
+                let margin = eigenvalue_margin([rr_lanes, rz_lanes, Lanes::load(&quarters)], LEAST);
+                for (margin, zz) in margin.to_array().into_iter().zip(quarters) {
+                    let is_enough = Moment { rr, rz: -rz, zz }.eigenvalues_at_least(LEAST);
+                    assert_eq!(margin > 0.0, is_enough, "{rr} {rz} {zz}");
+                    enough += usize::from(is_enough);
+                }
+            }
+        }
+        assert!((1..256).contains(&enough), "{enough} of 512");
+        let [one, none] = [1.0, f64::NAN].map(Lanes::splat);
+        for moment in [[none, one, one], [one, none, one], [one, one, none], [none; 3]] {
+            assert!(!eigenvalue_margin(moment, LEAST).to_array().into_iter().any(|margin| margin > 0.0));
+        }
+    }
 
     #[test]
     fn eigenvalues_and_anisotropy() {

@@ -1,6 +1,7 @@
 //! The velocity gradient for the reconstruction, and how fast it changes.
 
 use crate::fields;
+use crate::moment::eigenvalue_margin;
 use crate::surface_corrections::INVERTIBLE;
 use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
 use meniscus_engine::lanes::{Lanes, WIDTH};
@@ -95,14 +96,10 @@ impl ChunkStage for VelocityGradient {
 #[inline(always)]
 fn solve([rr, rz, zz]: [Lanes; 3], sum: [Lanes; 4]) -> [Lanes; 4] {
     let inverse = Lanes::ONE / rz.neg_mul_add(rz, rr * zz);
-    let least = Lanes::splat(INVERTIBLE);
-    // As Moment::eigenvalues_at_least has it.
-    let (above_rr, above_zz) = (rr - least, zz - least);
-    let usable = (above_rr + above_zz).min(rz.neg_mul_add(rz, above_rr * above_zz));
-    let zero = Lanes::splat(-f64::MIN_POSITIVE);
+    let margin = eigenvalue_margin([rr, rz, zz], INVERTIBLE);
     let by = |direct: Lanes, across: Lanes, own: Lanes| {
         let solved = rz.neg_mul_add(across, own * direct) * inverse;
-        usable.select_greater(zero, solved, Lanes::ZERO)
+        margin.select_greater(Lanes::ZERO, solved, Lanes::ZERO)
     };
     [by(sum[0], sum[1], zz), by(sum[1], sum[0], rr), by(sum[2], sum[3], zz), by(sum[3], sum[2], rr)]
 }
