@@ -192,10 +192,15 @@ pub fn sum_of(column: &[f64]) -> f64 {
     fold_chunks(column.len(), column, &body, &|a, b| a + b)
 }
 
+/// The larger one; NaN wins over everything.
+#[inline(always)]
+pub fn larger(a: f64, b: f64) -> f64 {
+    if a > b || a.is_nan() { a } else { b }
+}
+
 /// Largest `value(particle)`, minus infinity without particles; NaN wins over everything. Eight running results
 /// side by side in a chunk let the loop run in SIMD registers.
 pub fn maximum<F: Fn(usize) -> f64 + Sync>(len: usize, value: F) -> f64 {
-    let larger = |a: f64, b: f64| if a > b || a.is_nan() { a } else { b };
     let body = |start: usize, (), len: usize| {
         let mut running = [f64::NEG_INFINITY; WIDTH];
         let whole = len - len % WIDTH;

@@ -5,6 +5,7 @@ use crate::fields;
 use crate::sound_speed::SoundSpeed;
 use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
 use meniscus_engine::lanes::{Lanes, WIDTH};
+use meniscus_engine::parallel::larger;
 use meniscus_engine::pipeline::{Fault, World};
 use meniscus_engine::store::Read;
 use meniscus_engine::wiring::Wiring;
@@ -97,7 +98,7 @@ impl ChunkStage for TimeStep {
     }
 
     fn combine(&self, [left, _]: Partial, [right, _]: Partial) -> Partial {
-        [if left > right || left.is_nan() { left } else { right }, 0.0]
+        [larger(left, right), 0.0]
     }
 
     fn finish(&mut self, world: &mut World, [largest, _]: Partial) -> Result<(), Fault> {
@@ -113,8 +114,8 @@ impl ChunkStage for TimeStep {
             return Err(fault);
         }
         let strain_rate = world.store.read(self.strain_rate);
-        let larger = |&a: &usize, &b: &usize| strain_rate[a].abs().total_cmp(&strain_rate[b].abs());
-        let worst = (0..strain_rate.len()).max_by(larger).unwrap_or(0);
+        let by_strain = |&a: &usize, &b: &usize| strain_rate[a].abs().total_cmp(&strain_rate[b].abs());
+        let worst = (0..strain_rate.len()).max_by(by_strain).unwrap_or(0);
         if acoustic > VANISHING * at_rest {
             // The motion is sound: another stage's bound leaves no step, as of a liquid far too viscous.
             let bound = match world.clock.bound().map_or("", |bound| bound.reason) {

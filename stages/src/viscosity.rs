@@ -3,6 +3,7 @@
 use crate::fields;
 use crate::rows::PackedState;
 use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
+use meniscus_engine::parallel::larger;
 use meniscus_engine::pipeline::{Fault, World};
 use meniscus_engine::store::{Add, Read};
 use meniscus_engine::wiring::Wiring;
@@ -74,9 +75,4 @@ impl ChunkStage for Viscosity {
         world.clock.limit("viscous", LARGEST / (self.viscosity * fastest));
         Ok(())
     }
-}
-
-/// The larger one; NaN wins over everything.
-fn larger(a: f64, b: f64) -> f64 {
-    if a > b || a.is_nan() { a } else { b }
 }
