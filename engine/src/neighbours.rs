@@ -257,7 +257,7 @@ impl NeighbourList {
 
     /// The image of that number, if it is one's.
     #[inline]
-    pub fn image(&self, number: usize) -> Option<&Image> {
+    fn image(&self, number: usize) -> Option<&Image> {
         number.checked_sub(self.len).map(|image| &self.images[image])
     }
 
@@ -265,6 +265,24 @@ impl NeighbourList {
     #[inline]
     pub fn source(&self, number: usize) -> usize {
         self.image(number).map_or(number, |image| image.source as usize)
+    }
+
+    /// Whether it is an image across the axis.
+    #[inline]
+    pub fn is_mirrored(&self, number: usize) -> bool {
+        self.image(number).is_some_and(|image| image.mirrored)
+    }
+
+    /// Where that particle or image lies, m, with the particles at (r, z), m.
+    #[inline]
+    pub fn place_of(&self, number: usize, domain: &Domain, [r, z]: [&[f64]; 2]) -> (f64, f64) {
+        match self.image(number) {
+            Some(image) => {
+                let source = image.source as usize;
+                domain.place(image, r[source], z[source])
+            }
+            None => (r[number], z[number]),
+        }
     }
 }
 
@@ -387,6 +405,7 @@ mod tests {
                 let s = list.source(b);
                 let (br, bz) =
                     if b < 700 { (r[b], z[b]) } else { domain.place(&list.images()[b - 700], r[s], z[s]) };
+                assert_eq!(list.place_of(b, &domain, [&r, &z]), (br, bz));
                 let distance = (br - r[a]).hypot(bz - z[a]);
                 if distance > 0.0 && distance < reach[a] + reach[s] {
                     expected.push(b);

@@ -191,10 +191,7 @@ impl BoundaryDetect {
                 if surface[b] != INSIDE {
                     continue;
                 }
-                let (r_b, z_b) = match list.image(number) {
-                    Some(image) => domain.place(image, r[b], z[b]),
-                    None => (r[b], z[b]),
-                };
+                let (r_b, z_b) = list.place_of(number, domain, [&r, &z]);
                 let support = self.packing.reach(packed.size(a)) + self.packing.reach(packed.size(b));
                 let (dr, dz) = (r_b - r[a], z_b - z[a]);
                 if dr * dr + dz * dz < support * support {

@@ -74,14 +74,9 @@ impl BoundaryEvening {
                 if surface[b] != BOUNDARY {
                     continue;
                 }
+                let (r_b, z_b) = list.place_of(number, domain, [&r, &z]);
                 // Mirrored, a tangent turns round: its normal points outward still.
-                let (r_b, z_b, turn) = match list.image(number) {
-                    Some(image) => {
-                        let (r, z) = domain.place(image, r[b], z[b]);
-                        (r, z, if image.mirrored { -1.0 } else { 1.0 })
-                    }
-                    None => (r[b], z[b], 1.0),
-                };
+                let turn = if list.is_mirrored(number) { -1.0 } else { 1.0 };
                 let way = [r_b - r[a], z_b - z[a]];
                 let along = way[0] * tangent[0] + way[1] * tangent[1];
                 let across = way[0] * tangent[1] - way[1] * tangent[0];

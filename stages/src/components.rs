@@ -17,12 +17,8 @@ pub fn components<'a>(
     arena: &'a Bump,
 ) -> &'a mut [u32] {
     let is_near = |[r_a, z_a, reach_a]: [f64; 3], number: usize| {
-        let b = list.source(number);
-        let (r_b, z_b) = match list.image(number) {
-            Some(image) => domain.place(image, r[b], z[b]),
-            None => (r[b], z[b]),
-        };
-        let support = reach_a + reach(b);
+        let (r_b, z_b) = list.place_of(number, domain, [r, z]);
+        let support = reach_a + reach(list.source(number));
         let (dr, dz) = (r_b - r_a, z_b - z_a);
         dr * dr + dz * dz < support * support
     };

@@ -125,12 +125,11 @@ impl SizeEvening {
                 if excess == 0.0 {
                     continue;
                 }
-                let (r_b, z_b) = match list.image(number) {
-                    // Across the axis lies the same ring.
-                    Some(image) if image.mirrored => continue,
-                    Some(image) => domain.place(image, r[b], z[b]),
-                    None => (r[b], z[b]),
-                };
+                // Across the axis lies the same ring.
+                if list.is_mirrored(number) {
+                    continue;
+                }
+                let (r_b, z_b) = list.place_of(number, domain, [r, z]);
                 let (dr, dz) = (r_b - r[a], z_b - z[a]);
                 let support = self.packing.reach(packed.size(a)) + self.packing.reach(packed.size(b));
                 let inside = (1.0 - (dr * dr + dz * dz).sqrt() / support).max(0.0);
