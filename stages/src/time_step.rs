@@ -2,7 +2,9 @@
 
 use crate::bad_state::BadState;
 use crate::fields;
+use crate::rows::PackedState;
 use crate::sound_speed::SoundSpeed;
+use crate::viscosity::evening_rate;
 use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
 use meniscus_engine::lanes::{Lanes, WIDTH};
 use meniscus_engine::parallel::larger;
@@ -55,6 +57,18 @@ impl TimeStep {
             sound_speed: SoundSpeed::new(wiring, constant_sound_speed),
         }
     }
+
+    /// The particle that sets the viscous bound.
+    fn most_viscous(&self, world: &World) -> usize {
+        let packed = PackedState(&world.rows);
+        let [r, density] = [self.radius, self.density].map(|field| world.store.read(field));
+        with_largest(r.len(), |i| evening_rate(packed.area(i), r[i] + self.courant.origin, density[i]))
+    }
+}
+
+/// The particle with the largest value.
+fn with_largest(particles: usize, value: impl Fn(usize) -> f64) -> usize {
+    (0..particles).max_by(|&a, &b| value(a).total_cmp(&value(b))).unwrap_or(0)
 }
 
 impl ChunkStage for TimeStep {
@@ -114,18 +128,18 @@ impl ChunkStage for TimeStep {
             return Err(fault);
         }
         let strain_rate = world.store.read(self.strain_rate);
-        let by_strain = |&a: &usize, &b: &usize| strain_rate[a].abs().total_cmp(&strain_rate[b].abs());
-        let worst = (0..strain_rate.len()).max_by(by_strain).unwrap_or(0);
+        let strains_most = with_largest(strain_rate.len(), |i| strain_rate[i].abs());
         if acoustic > VANISHING * at_rest {
             // The motion is sound: another stage's bound leaves no step, as of a liquid far too viscous.
-            let bound = match world.clock.bound().map_or("", |bound| bound.reason) {
-                "viscous" => "viscous time step",
-                "surface tension" => "capillary time step",
-                _ => "time step",
+            let (bound, worst) = match world.clock.bound().map_or("", |bound| bound.reason) {
+                "viscous" => ("viscous time step", self.most_viscous(world)),
+                // It is the same for all particles: none of them sets it.
+                "surface tension" => ("capillary time step", strains_most),
+                _ => ("time step", strains_most),
             };
             return Err(self.bad_state.fault(world, worst, bound, step_size));
         }
-        Err(self.bad_state.fault(world, worst, "strain_rate", strain_rate[worst]))
+        Err(self.bad_state.fault(world, strains_most, "strain_rate", strain_rate[strains_most]))
     }
 
     /// What moves the particles needs the step.

@@ -3,6 +3,7 @@
 use meniscus_cases::simulation::Simulation;
 use meniscus_engine::pipeline::Fault;
 use meniscus_tests::drops;
+use std::f64::consts::PI;
 
 /// A drop after ten steps, with one particle's columns set.
 fn spoiled(columns: &[(&str, f64)]) -> (Simulation, u32) {
@@ -77,6 +78,21 @@ fn a_particle_across_the_axis_is_named() {
     let fault = first_fault(&mut simulation, 50).expect("a fault");
     println!("{fault}");
     assert_eq!((fault.stage, fault.particle), ("time-step", identity), "{fault}");
+}
+
+#[test]
+fn who_sets_the_viscous_bound_is_named() {
+    let mut simulation = drops::start(&drops::drop(&["liquid.viscosity=1e3 Pa s"]));
+    let fault = simulation.step().expect_err("a fault");
+    println!("{fault}");
+    let [r, density, mass] = ["radius", "density", "mass"].map(|name| drops::column(&simulation, name));
+    let rate = |i: usize| {
+        let area = mass[i] / (2.0 * PI * r[i] * density[i]);
+        (8.0 / area + 1.0 / (r[i] * r[i])) / density[i]
+    };
+    let fastest = (0..r.len()).max_by(|&a, &b| rate(a).total_cmp(&rate(b))).expect("particles");
+    let identity = simulation.world.store.by_name::<u32>("identity").expect("a column")[fastest];
+    assert_eq!((fault.quantity, fault.particle), ("viscous time step", identity), "{fault}");
 }
 
 #[test]
