@@ -156,6 +156,8 @@ impl Block {
         ];
         assert_eq!(needed, [true; 7], "a column is missing");
         set("kernel_scale", &|p| p.kernel_scale);
+        // A liquid without heat, where there is an energy equation.
+        set("total_energy", &|p| 0.5 * (p.velocity[0].powi(2) + p.velocity[1].powi(2)));
         // The velocity's rise along a pair needs the symmetric part of the gradient alone.
         let deformation = [
             set(DEFORMATION[0], &|p| p.gradient[0][0]),

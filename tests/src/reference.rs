@@ -250,8 +250,8 @@ impl Medium {
             right -= 0.5 * van_leer(2.0 * dot(apply(b.gradient, d), e) - plain, plain);
             let reconstructed = right - left;
             let part = if plain == 0.0 { 1.0 } else { (reconstructed / plain).abs() };
-            let smooth = reconstructed * (5.0 * part).min(1.0);
-            let beta = (150.0 * smooth.abs() / self.sound_speed).min(1.0);
+            let smooth = reconstructed * (3.0 * part).min(1.0);
+            let beta = (4000.0 * part * part * smooth.abs() / self.sound_speed).min(1.0);
             jump = smooth + beta * (plain - smooth);
         }
         Star {

@@ -249,7 +249,7 @@ fn the_boundarys_particles_give_way_to_a_crowd() {
     simulation.world.store.set("axial", &z);
     let size = 2.5e-6 / 12.0;
     let before = distances_along_the_surface(&simulation, size);
-    drops::advance(&mut simulation, 12000);
+    drops::advance(&mut simulation, 16000);
     let after = distances_along_the_surface(&simulation, size);
     println!("{before:?} become {after:?} sizes");
     assert!(before[0] < 0.65 && before[1] > 1.35, "{before:?}");

@@ -66,7 +66,7 @@ impl Builder<'_> {
         let shock = Shock { slope: self.physics.equation.shock_slope() };
         // The return of the plain jump (method.md, section 10, "Coalescence, later", has 300/C, once with J_r itself).
         let limited =
-            Limited { sharpness: 1500.0 / self.physics.sound_speed.max(self.physics.shifting_speed) };
+            Limited { sharpness: 4000.0 / self.physics.sound_speed.max(self.physics.shifting_speed) };
         match (self.with_viscosity(), self.with_shocks(), self.reconstructs(), self.besides()) {
             (true, _, true, _) => self.viscous::<T, _, _>(geometry, limited),
             (true, ..) => self.viscous::<T, _, _>(geometry, FirstOrder),

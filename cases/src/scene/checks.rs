@@ -39,9 +39,8 @@ const NOTABLE: f64 = 0.1;
 /// Keeps advice on the safe side of its limit after rounding to five digits.
 const ROUNDING: f64 = 0.9999;
 
-/// Shortest period over the widest support: particles may grow to twice their size at the start, and their supports with
-/// them.
-const PERIOD_SUPPORTS: f64 = 2.0;
+/// Shortest period over the widest support at the start: particles grow, and their supports with them.
+const PERIOD_SUPPORTS: f64 = 1.5;
 
 /// Heights at which two bodies are compared.
 const LINES: usize = 256;

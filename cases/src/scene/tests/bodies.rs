@@ -86,13 +86,14 @@ fn fields_are_finite_and_bodies_apart() {
 /// pressure was too low by 3 and 21 %.
 #[test]
 fn supports_fit_into_a_period() {
-    let cylinder = shaped("{ cylinder = { radius = \"radius\", bottom = \"-0.78 um\", top = \"0.78 um\" } }");
-    let periodic = cylinder.replacen("[particles]", "[domain]\nperiod = \"1.56 um\"\n[particles]", 1);
+    let cylinder =
+        shaped("{ cylinder = { radius = \"radius\", bottom = \"-0.585 um\", top = \"0.585 um\" } }");
+    let periodic = cylinder.replacen("[particles]", "[domain]\nperiod = \"1.17 um\"\n[particles]", 1);
     mistake_at(
         &periodic,
         26,
-        "\"1.56 um\"",
-        &["too short", "2 times", "11 particle sizes", "1.571e-6 m or more"],
+        "\"1.17 um\"",
+        &["too short", "1.5 times", "11 particle sizes", "1.1782e-6 m or more"],
     );
     let narrower = settings(&["method.colour_support=10"]);
     assert!(parse("jet.toml", &periodic, &narrower).is_ok());
