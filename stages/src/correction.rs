@@ -122,11 +122,10 @@ impl ChunkStage for MomentumCorrection {
         }
         if let Some(work) = &self.work {
             let mut work = work.of(chunk);
-            let recoil = |i: usize| match &self.recoils[..] {
-                [recoil] => *recoil,
-                recoils => recoils[drop[i] as usize],
-            };
-            (0..chunk.len()).for_each(|i| work.add(i, [0.0, -density[i] * recoil(i)], 0.0));
+            match &self.recoils[..] {
+                [recoil] => work.add_axial(|i| -density[i] * recoil),
+                recoils => work.add_axial(|i| -density[i] * recoils[drop[i] as usize]),
+            }
         }
         [0.0; 2]
     }

@@ -40,4 +40,13 @@ impl WorkColumns<'_> {
         let [u, w] = &self.velocity;
         self.power[i] += force[0] * u[i] + force[1] * w[i] + more;
     }
+
+    /// The same of a force along the axis alone, on every particle of the chunk.
+    #[inline(always)]
+    pub fn add_axial(&mut self, force: impl Fn(usize) -> f64) {
+        let [_, w] = &self.velocity;
+        for (i, (power, w)) in self.power.iter_mut().zip(&**w).enumerate() {
+            *power += force(i) * w;
+        }
+    }
 }
