@@ -211,16 +211,16 @@ impl<R: DeformationState> Reconstruction<R> for Limited {
         jump: Lanes<R::Scalar>,
         inverse_distance: Lanes<R::Scalar>,
     ) -> Rises<R::Scalar> {
-        let (part_a, part_b) = (halves.a * halves.factor, halves.b * halves.factor);
         // J_r/J.
-        let part = Lanes::ONE - part_a - part_b;
+        let part = (halves.a + halves.b).neg_mul_add(halves.factor, Lanes::ONE);
+        let step = jump * halves.factor;
         let rough = (Lanes::splat(ROUGH) * part.abs()).min(Lanes::ONE);
         let smooth = rough * part * jump;
         let sharpness = Lanes::splat(self.sharpness) * inverse_distance;
-        let beta = (sharpness * (smooth * part * part).abs()).min(Lanes::ONE);
+        let beta = (sharpness * (part * part) * smooth.abs()).min(Lanes::ONE);
         Rises {
-            left: part_a * jump,
-            right: part_b.neg_mul_add(jump, jump),
+            left: halves.a * step,
+            right: halves.b.neg_mul_add(step, jump),
             jump: beta.mul_add(jump - smooth, smooth),
         }
     }
