@@ -164,7 +164,7 @@ impl<T: Scalar> Reconstruction<ShockRecord<T>> for Shock {
 /// extreme it is one, in a wave with the number k it is (k d)^2/12, d the distance of neighbours. Without the factor 3 |x|
 /// J_r damps a wave by about C d^3 k^4/48, one of 18 particle sizes on a drop by a fifth in a period, not by a fifteenth; with |x| itself,
 /// which takes more away, it is a thirtieth, but what a swing leaves of short waves lives longer, and after fifty periods a drop's frequency
-/// and damping have changed by more. And beta has a viscosity of about sharpness |x^3 J| C H/16 where the flow is fast: fast smooth flow
+/// and damping have changed by more. And beta has a viscosity of about sharpness |x^2 J_s| C H/16 where the flow is fast: fast smooth flow
 /// hardly feels it, and rough flow at once. (`cases/oscillating-drop` has the figures.)
 #[derive(Clone, Copy, Debug)]
 pub struct Limited {

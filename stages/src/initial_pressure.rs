@@ -19,9 +19,8 @@ pub struct InitialPressure<E> {
     with_reference: bool,
     identity: Read<u32>,
     position: [Read<f64>; 2],
-    velocity: [Read<f64>; 2],
-    /// Total energy, where the pressure depends on it.
-    energy: Option<Read<f64>>,
+    /// Total energy and velocity, where the pressure depends on the energy inside.
+    energy: Option<[Read<f64>; 3]>,
     mass: Read<f64>,
     surface: Read<u32>,
     laplace_pressure: Read<f64>,
@@ -33,14 +32,14 @@ impl<E: EquationOfState> InitialPressure<E> {
     /// Runs once, after the curvature has been computed for the particles at rest.
     pub fn new(wiring: &mut Wiring, equation: E, packing: Packing, with_reference: bool) -> Self {
         wiring.stage("initial-pressure");
+        let energy = [&fields::TOTAL_ENERGY, &fields::VELOCITY_R, &fields::VELOCITY_Z];
         InitialPressure {
             equation,
             packing,
             with_reference,
             identity: wiring.read(&fields::IDENTITY),
             position: [wiring.read(&fields::RADIUS), wiring.read(&fields::AXIAL)],
-            velocity: [wiring.read(&fields::VELOCITY_R), wiring.read(&fields::VELOCITY_Z)],
-            energy: E::WITH_ENERGY.then(|| wiring.read(&fields::TOTAL_ENERGY)),
+            energy: E::WITH_ENERGY.then(|| energy.map(|field| wiring.read(field))),
             mass: wiring.read(&fields::MASS),
             surface: wiring.read(&fields::SURFACE),
             laplace_pressure: wiring.read(&fields::LAPLACE_PRESSURE),
@@ -75,10 +74,10 @@ impl<E: EquationOfState> Stage for InitialPressure<E> {
             let [upper, lower] = sums[root as usize];
             if lower > 0.0 { upper / lower } else { 0.0 }
         };
-        let [u, w] = self.velocity.map(|field| store.read(field));
-        let energy = self.energy.map(|field| store.read(field));
-        let internal =
-            |i: usize| energy.as_ref().map_or(0.0, |energy| energy[i] - 0.5 * (u[i] * u[i] + w[i] * w[i]));
+        let energy = self.energy.map(|fields| fields.map(|field| store.read(field)));
+        let internal = |i: usize| {
+            energy.as_ref().map_or(0.0, |[energy, u, w]| energy[i] - 0.5 * (u[i] * u[i] + w[i] * w[i]))
+        };
         let first = component.first().map_or(0.0, |&root| pressure_of(root));
         for (i, &root) in component.iter().enumerate() {
             let pressure = pressure_of(root);

@@ -2,6 +2,7 @@
 
 use meniscus_cases::scene::{Scene, parse};
 use meniscus_cases::simulation::Simulation;
+use meniscus_engine::field::{Role, Values};
 
 /// A drop that oscillates in mode 2: 12 particles across its radius.
 const DROP: &str = r#"format = 1
@@ -25,6 +26,28 @@ velocity = { r = "-amplitude*capillary_velocity*(r/radius)/2", z = "amplitude*ca
 size = "radius/resolution"
 [run]
 until = "8 * sqrt(density*radius^3/surface_tension)"
+"#;
+
+/// Two drops of unequal size that collide: sizes become uneven, and neighbours exchange mass.
+pub const COLLISION: &str = r#"format = 1
+title = "Two drops collide"
+[parameters]
+surface_tension = "0.074 N/m"
+[liquid]
+density = "1000 kg/m3"
+surface_tension = "surface_tension"
+sound_speed = "60 m/s"
+equation_of_state = "linear"
+[[body]]
+shape = { sphere = { radius = "1 um", centre = "-1.05 um" } }
+velocity = { z = "4 m/s" }
+[[body]]
+shape = { sphere = { radius = "0.7 um", centre = "0.75 um" } }
+velocity = { z = "-5 m/s" }
+[particles]
+size = "0.1 um"
+[run]
+until = "1 us"
 "#;
 
 /// A scene from its text and settings (`key=value`).
@@ -65,6 +88,16 @@ pub fn advance(simulation: &mut Simulation, steps: usize) {
             panic!("{fault}");
         }
     }
+}
+
+/// The bits of every State column, with the columns' names.
+pub fn state_bits(simulation: &Simulation) -> Vec<(&'static str, Vec<u64>)> {
+    let of = |values: &Values| match values {
+        Values::F64(values) => values.iter().map(|value| value.to_bits()).collect(),
+        Values::U32(values) => values.iter().map(|&value| u64::from(value)).collect(),
+    };
+    let columns = simulation.world.store.columns().filter(|(d, _)| d.role == Role::State);
+    columns.map(|(description, values)| (description.name, of(&values))).collect()
 }
 
 /// A column of real numbers, in memory order.

@@ -1,28 +1,7 @@
 //! Momentum and energy of two bodies that collide, on the axis and away from it.
 
 use meniscus_cases::simulation::Simulation;
-use meniscus_tests::drops::{self, column, totals};
-
-const DROPS: &str = r#"format = 1
-title = "Two drops collide"
-[parameters]
-surface_tension = "0.074 N/m"
-[liquid]
-density = "1000 kg/m3"
-surface_tension = "surface_tension"
-sound_speed = "60 m/s"
-equation_of_state = "linear"
-[[body]]
-shape = { sphere = { radius = "1 um", centre = "-1.05 um" } }
-velocity = { z = "4 m/s" }
-[[body]]
-shape = { sphere = { radius = "0.7 um", centre = "0.75 um" } }
-velocity = { z = "-5 m/s" }
-[particles]
-size = "0.1 um"
-[run]
-until = "1 us"
-"#;
+use meniscus_tests::drops::{self, COLLISION, column, totals};
 
 const TORI: [&str; 2] = [
     "body.0.shape={ torus = { major = \"4 um\", minor = \"1 um\", centre = \"-1.05 um\" } }",
@@ -31,7 +10,7 @@ const TORI: [&str; 2] = [
 
 /// Largest drift of the momentum over the steps, relative to the sum of |m U_z| at the start.
 fn drift(settings: &[&str], steps: usize) -> f64 {
-    let mut simulation = drops::start(&drops::scene(DROPS, settings));
+    let mut simulation = drops::start(&drops::scene(COLLISION, settings));
     let start = totals(&simulation);
     let (mut worst, mut slowed) = (0.0f64, 1.0f64);
     for _ in 0..steps / 10 {
@@ -60,7 +39,7 @@ fn momentum_stays_on_the_axis_and_away_from_it() {
 
 #[test]
 fn mass_that_neighbours_exchange_is_not_lost() {
-    let mut simulation = drops::start(&drops::scene(DROPS, &[]));
+    let mut simulation = drops::start(&drops::scene(COLLISION, &[]));
     let sorted = |simulation: &Simulation| {
         let mut masses = column(simulation, "mass");
         masses.sort_by(f64::total_cmp);
@@ -85,7 +64,7 @@ fn the_papers_axis_treatment_loses_momentum() {
 /// Kinetic and elastic energy at the end over that at the start, and the most in between.
 fn energy(settings: &[&str], steps: usize) -> (f64, f64) {
     let sum = |s: &Simulation| totals(s).kinetic + drops::elastic_energy(s, 60.0, 1000.0);
-    let mut simulation = drops::start(&drops::scene(DROPS, settings));
+    let mut simulation = drops::start(&drops::scene(COLLISION, settings));
     let start = sum(&simulation);
     let mut most = 0.0f64;
     for _ in 0..steps {

@@ -2,39 +2,11 @@
 
 use meniscus_cases::scene::Scene;
 use meniscus_cases::simulation::Simulation;
-use meniscus_engine::field::{Role, Values};
 use meniscus_stages::correction::WHOLE_MASS;
-use meniscus_tests::drops;
+use meniscus_tests::drops::{self, COLLISION};
 
-/// Two drops collide: sizes become uneven, and neighbours exchange mass.
-const DROPS: &str = r#"format = 1
-[liquid]
-density = "1000 kg/m3"
-surface_tension = "0.074 N/m"
-sound_speed = "60 m/s"
-[[body]]
-shape = { sphere = { radius = "1 um", centre = "-1.05 um" } }
-velocity = { z = "4 m/s" }
-[[body]]
-shape = { sphere = { radius = "0.7 um", centre = "0.75 um" } }
-velocity = { z = "-5 m/s" }
-[particles]
-size = "0.1 um"
-[run]
-until = "1 us"
-[method]
-momentum_correction = "whole"
-"#;
-
-/// The bits of every State column.
-fn bits(simulation: &Simulation) -> Vec<(&'static str, Vec<u64>)> {
-    let columns = simulation.world.store.columns().filter(|(d, _)| d.role == Role::State);
-    let of = |values: &Values| match values {
-        Values::F64(values) => values.iter().map(|value| value.to_bits()).collect(),
-        Values::U32(values) => values.iter().map(|&value| u64::from(value)).collect(),
-    };
-    columns.map(|(description, values)| (description.name, of(&values))).collect()
-}
+/// The recoil of the surface forces spread over all mass, whatever drops there are.
+const WHOLE: &str = "method.momentum_correction=whole";
 
 /// Fails where a run that is resumed every so many steps ends in other bits than one that is not.
 fn resumed(scene: &Scene, steps: usize, between: usize) {
@@ -47,7 +19,8 @@ fn resumed(scene: &Scene, steps: usize, between: usize) {
             Err(error) => panic!("{error}"),
         };
         drops::advance(&mut broken, between);
-        for ((name, whole), (_, broken)) in bits(&whole).iter().zip(&bits(&broken)) {
+        for ((name, whole), (_, broken)) in drops::state_bits(&whole).iter().zip(&drops::state_bits(&broken))
+        {
             assert_eq!(whole, broken, "`{name}` differs after step {step}");
         }
     }
@@ -55,14 +28,14 @@ fn resumed(scene: &Scene, steps: usize, between: usize) {
 
 #[test]
 fn drops_that_exchange_mass() {
-    resumed(&drops::scene(DROPS, &[]), 1200, 7);
+    resumed(&drops::scene(COLLISION, &[WHOLE]), 1200, 7);
 }
 
 /// The whole mass was summed anew with every list: not after an exchange of mass, but after a restart. Only rarely
 /// is the recoil large enough for forces to show such a change of the last bit.
 #[test]
 fn the_whole_mass_is_summed_once() {
-    let scene = drops::scene(DROPS, &[]);
+    let scene = drops::scene(COLLISION, &[WHOLE]);
     let mut simulation = drops::start(&scene);
     drops::advance(&mut simulation, 1);
     let whole = |simulation: &Simulation| simulation.world.clock.number(WHOLE_MASS);

@@ -1,7 +1,6 @@
 //! The same bits for any number of threads.
 
 use meniscus_cases::scene::Scene;
-use meniscus_engine::field::{Role, Values};
 use meniscus_tests::drops;
 
 /// The bits of every State column after some steps, with the columns' names.
@@ -10,17 +9,7 @@ fn bits(threads: usize, scene: &Scene, steps: usize) -> Vec<(&'static str, Vec<u
     pool.install(|| {
         let mut simulation = drops::start(scene);
         drops::advance(&mut simulation, steps);
-        let columns = simulation.world.store.columns();
-        columns
-            .filter(|(description, _)| description.role == Role::State)
-            .map(|(description, values)| {
-                let bits = match &*values {
-                    Values::F64(values) => values.iter().map(|value| value.to_bits()).collect(),
-                    Values::U32(values) => values.iter().map(|&value| u64::from(value)).collect(),
-                };
-                (description.name, bits)
-            })
-            .collect()
+        drops::state_bits(&simulation)
     })
 }
 

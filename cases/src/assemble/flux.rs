@@ -64,7 +64,7 @@ impl Builder<'_> {
 
     fn flux_with<T: Packed, G: Geometry + 'static>(&mut self, geometry: G) -> AnyStage {
         let shock = Shock { slope: self.physics.equation.shock_slope() };
-        // The return of the plain jump (method.md, section 10, "Coalescence, later", has 300/C, once with J_r itself).
+        // The return of the plain jump (method.md, section 10, "Coalescence, later", has 300/C for J_r itself).
         let limited =
             Limited { sharpness: 4000.0 / self.physics.sound_speed.max(self.physics.shifting_speed) };
         match (self.with_viscosity(), self.with_shocks(), self.reconstructs(), self.besides()) {

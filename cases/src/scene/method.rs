@@ -116,14 +116,13 @@ impl Method {
     /// surface and its curvature.
     pub fn widest_support(&self, with_tension: bool) -> f64 {
         let pairs = 4.0 * self.theta;
-        let colour = self.colour_guard > 0.0 || self.curvature == Curvature::ColourField;
-        let surface = match self.curvature {
-            _ if !with_tension => 0.0,
-            Curvature::NormalDivergence if !colour => 4.0 * self.normal_theta,
-            Curvature::NormalDivergence => self.colour_support.max(4.0 * self.normal_theta),
-            Curvature::ColourField => self.colour_support,
-        };
-        pairs.max(surface)
+        if !with_tension {
+            return pairs;
+        }
+        let by_normals = self.curvature == Curvature::NormalDivergence;
+        let normals = if by_normals { 4.0 * self.normal_theta } else { 0.0 };
+        let colour = if by_normals && self.colour_guard == 0.0 { 0.0 } else { self.colour_support };
+        pairs.max(normals).max(colour)
     }
 
     /// The paper's own choices.
