@@ -142,9 +142,9 @@ impl NeighbourList {
         for column in &mut self.scratch {
             column.clear();
             if count + WIDTH > column.capacity() {
-                // As in fill: the old memory goes before there is more.
+                // As in fill: the old memory goes before there is more. Images alone become more.
                 *column = Vec::new();
-                column.reserve_exact(count + count / 64 + WIDTH);
+                column.reserve_exact(count + images.len() / 4 + WIDTH);
             }
         }
         let [sorted_r, sorted_z, sorted_reach] = &mut self.scratch;

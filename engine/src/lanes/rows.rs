@@ -33,12 +33,12 @@ pub struct RowTable {
 impl RowTable {
     /// Makes room for `particles` and `images`, whose rows must be written anew.
     pub fn resize(&mut self, particles: usize, images: usize) {
-        make_room(&mut self.double, particles + images + WIDTH);
+        make_room(&mut self.double, particles + images + WIDTH, images);
     }
 
     /// Makes room for `particles` and `images` in single precision.
     pub fn resize_single(&mut self, particles: usize, images: usize) {
-        make_room(&mut self.single, particles + images + 2 * WIDTH);
+        make_room(&mut self.single, particles + images + 2 * WIDTH, images);
     }
 
     /// The rows of the first `particles`, to write them.
@@ -57,11 +57,12 @@ impl RowTable {
     }
 }
 
-/// Makes a table as long as it must be, and gives old rows back before there are longer ones.
-fn make_room<T: Clone + Default>(rows: &mut Vec<T>, count: usize) {
+/// Makes a table of which so many rows are images' as long as it must be, and gives old rows back before there are
+/// longer ones. Images alone become more: there is room for a quarter more of them.
+fn make_room<T: Clone + Default>(rows: &mut Vec<T>, count: usize, images: usize) {
     if count > rows.capacity() {
         *rows = Vec::new();
-        rows.reserve_exact(count + count / 64);
+        rows.reserve_exact(count + images / 4);
     }
     rows.resize(count, T::default());
 }
