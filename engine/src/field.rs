@@ -72,11 +72,11 @@ pub fn clear<T: Element>(values: &mut [T]) {
     values.chunks_mut(BLOCK).filter(|block| is_touched(block)).for_each(|block| block.fill(T::default()));
 }
 
-/// Copies values that are as many, but for blocks that are zero on both sides.
-pub(crate) fn copy<T: Element>(to: &mut [T], from: &[T]) {
+/// Sets values to those `of` as many others, but for blocks that are zero on both sides.
+pub(crate) fn copy<T: Element, F: Element>(to: &mut [T], from: &[F], of: impl Fn(F) -> T) {
     let blocks = to.chunks_mut(BLOCK).zip(from.chunks(BLOCK));
     blocks.filter(|(to, from)| is_touched(to) || is_touched(from)).for_each(|(to, from)| {
-        to.copy_from_slice(from);
+        to.iter_mut().zip(from).for_each(|(to, &from)| *to = of(from));
     });
 }
 

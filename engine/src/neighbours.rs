@@ -26,10 +26,9 @@ const EVEN: f64 = 0.96;
 pub struct NeighbourList {
     len: usize,
     images: Vec<Image>,
-    /// How many neighbours particles have, while the list is built.
-    counts: Vec<u32>,
     block_start: Vec<u32>,
-    /// Interleaved: eight of them belong to one block.
+    /// Interleaved: eight of them belong to one block. While a list is built, what the old one's hold is of no use any
+    /// more: then an order of the particles lies there, if one is looked for, and behind it how many neighbours each has.
     entries: Vec<u32>,
     bins: Bins,
     /// The largest distance of a listed pair, m.
@@ -59,9 +58,10 @@ impl NeighbourList {
         self.place(points, domain);
         let len = points[0].len();
         self.len = len;
-        self.counts.resize(len, 0);
+        self.entries.resize(self.entries.len().max(2 * len), 0);
         let search = Search { bins: &self.bins, points, sorted: &self.scratch, largest: self.largest };
-        parallel::for_chunks_of(parallel::DEAR_CHUNK, len, &mut self.counts[..], |start, counts| {
+        let counts = &mut self.entries[len..2 * len];
+        parallel::for_chunks_of(parallel::DEAR_CHUNK, len, counts, |start, counts| {
             for (k, count) in counts.iter_mut().enumerate() {
                 *count = 0;
                 search.near(start + k, |_, inside| *count += inside.count_ones());
@@ -73,8 +73,9 @@ impl NeighbourList {
     /// are filled up to its longest one: [`NeighbourList::order`] tells it. Everyone stays within his [`WINDOW`]. False
     /// where it doesn't pay.
     pub fn find_even_order(&mut self) -> bool {
+        let (order, counts) = self.entries[..2 * self.len].split_at_mut(self.len);
         let (mut before, mut after) = (0, 0);
-        for window in self.counts.chunks(WINDOW) {
+        for window in counts.chunks(WINDOW) {
             before += window.chunks(WIDTH).flat_map(|block| block.iter().max()).sum::<u32>();
             let mut sorted = [0; WINDOW];
             let sorted = &mut sorted[..window.len()];
@@ -85,12 +86,9 @@ impl NeighbourList {
         if f64::from(after) > EVEN * f64::from(before) {
             return false;
         }
-        // What the old list holds is of no use any more.
-        self.entries.resize(self.entries.len().max(self.len), 0);
-        let order = &mut self.entries[..self.len];
         order.iter_mut().zip(0..).for_each(|(place, particle)| *place = particle);
         for window in order.chunks_mut(WINDOW) {
-            window.sort_unstable_by_key(|&particle| (self.counts[particle as usize], particle));
+            window.sort_unstable_by_key(|&particle| (counts[particle as usize], particle));
         }
         true
     }
@@ -102,8 +100,8 @@ impl NeighbourList {
 
     /// The particles have taken up that order, and so have `points`.
     pub fn reorder(&mut self, points: [&[f64]; 3], domain: &Domain) {
-        let order = &self.entries[..self.len];
-        let windows = self.counts.chunks_mut(WINDOW).zip(order.chunks(WINDOW)).enumerate();
+        let (order, counts) = self.entries[..2 * self.len].split_at_mut(self.len);
+        let windows = counts.chunks_mut(WINDOW).zip(order.chunks(WINDOW)).enumerate();
         for (window, (counts, order)) in windows {
             let mut before = [0; WINDOW];
             before[..counts.len()].copy_from_slice(counts);
@@ -166,7 +164,7 @@ impl NeighbourList {
         self.block_start.clear();
         self.block_start.push(0);
         let mut total = 0;
-        for block in self.counts.chunks(WIDTH) {
+        for block in self.entries[len..2 * len].chunks(WIDTH) {
             total += block.iter().max().copied().unwrap_or(0);
             self.block_start.push(total);
         }
@@ -178,7 +176,6 @@ impl NeighbourList {
         }
         self.entries.resize(total, 0);
         fill_blocks(&search, &self.block_start, 0, len, self.entries.as_chunks_mut().0);
-        self.counts = Vec::new();
         self.builds += 1;
     }
 
@@ -220,7 +217,7 @@ impl NeighbourList {
 
     /// Bytes that the list takes, and what building it needs.
     pub fn bytes(&self) -> usize {
-        let numbers = [&self.counts, &self.block_start, &self.entries].map(bytes_of);
+        let numbers = [&self.block_start, &self.entries].map(bytes_of);
         let points = self.scratch.iter().map(bytes_of);
         bytes_of(&self.images) + self.bins.bytes() + numbers.into_iter().chain(points).sum::<usize>()
     }

@@ -1,6 +1,6 @@
 //! Particles as columns: one contiguous array per field.
 
-use crate::field::{Description, Element, Role, Values, clear, copy};
+use crate::field::{Description, Element, Role, Values, copy};
 use arrayvec::ArrayVec;
 use atomic_refcell::{AtomicRef, AtomicRefCell, AtomicRefMut};
 use std::marker::PhantomData;
@@ -162,7 +162,7 @@ impl Store {
         };
         match T::of_mut(column.get_mut()) {
             Some(column) if column.len() == values.len() => {
-                copy(column, values);
+                copy(column, values, |value| value);
                 true
             }
             _ => false,
@@ -225,31 +225,39 @@ impl Store {
         result
     }
 
-    /// Moves every State value to its new place: particle `order[k]` becomes particle k. The memory of Derived
-    /// columns serves as scratch.
+    /// Moves every State value to its new place: particle `order[k]` becomes particle k. The memory of a Derived
+    /// column serves as scratch.
     pub fn permute(&mut self, order: &[u32]) {
         self.is_changed = true;
         let mut scratch = [Vec::new()];
         self.swap_derived(&mut scratch);
         let [moved] = &mut scratch;
         moved.resize(self.len, 0.0);
-        for (description, column) in &mut self.columns {
-            if description.role != Role::State {
-                continue;
-            }
-            match column.get_mut() {
-                Values::F64(values) if is_sparse(values) => move_few(values, order),
-                Values::U32(values) if is_sparse(values) => move_few(values, order),
+        let is_state = |column: &&mut (Description, _)| column.0.role == Role::State;
+        let columns = self.columns.iter_mut().filter(is_state).map(|(_, column)| column.get_mut());
+        let mut first_swapped = None;
+        for column in columns {
+            match column {
                 Values::F64(values) => {
                     gather(moved, order, |from| values[from]);
-                    std::mem::swap(values, moved);
+                    if is_sparse(moved) {
+                        copy(values, moved, |value| value);
+                    } else {
+                        std::mem::swap(values, moved);
+                        first_swapped = first_swapped.or(Some(values));
+                    }
                 }
                 Values::U32(values) => {
                     // A real number holds every index exactly.
                     gather(moved, order, |from| f64::from(values[from]));
-                    values.iter_mut().zip(&*moved).for_each(|(value, moved)| *value = *moved as u32);
+                    copy(values, moved, |value| value as u32);
                 }
             }
+        }
+        // What was lent may have room for images as well: it goes back, or the next list would make that room anew.
+        if let Some(values) = first_swapped {
+            moved.copy_from_slice(values);
+            std::mem::swap(values, moved);
         }
         self.swap_derived(&mut scratch);
     }
@@ -273,18 +281,11 @@ pub fn bytes_of<T>(values: &Vec<T>) -> usize {
     values.capacity() * size_of::<T>()
 }
 
-/// One value in so many may be other than zero for a column to be moved value by value.
+/// One value in so many may be other than zero for a column to be written where it is not zero alone.
 const SPARSE: usize = 16;
 
-fn is_sparse<T: Element>(values: &[T]) -> bool {
+fn is_sparse(values: &[f64]) -> bool {
     values.iter().filter(|value| !value.is_untouched()).count() <= values.len() / SPARSE
-}
-
-fn move_few<T: Element>(values: &mut [T], order: &[u32]) {
-    let places = order.iter().enumerate().map(|(to, &from)| (to, values[from as usize]));
-    let moved: Vec<(usize, T)> = places.filter(|(_, value)| !value.is_untouched()).collect();
-    clear(values);
-    moved.into_iter().for_each(|(to, value)| values[to] = value);
 }
 
 fn gather(moved: &mut [f64], order: &[u32], value: impl Fn(usize) -> f64 + Sync) {
