@@ -7,30 +7,41 @@ use std::sync::Arc;
 
 use super::atomic::{UNFINISHED_PREFIX, write_atomic};
 use super::{OutputError, OutputResult};
+use clap::ValueEnum;
 use meniscus_cases::measure::numbered;
 
 /// Plain files that a run makes at the top of its folder.
 const FILES: [&str; 5] = ["summary.json", "series.csv", "particles.pvd", "scene.toml", "profile.json"];
 /// Folders that a run makes.
 const FOLDERS: [&str; 2] = ["checkpoints", "frames"];
-/// Plots that a run makes at the top of its folder, one a measure: `NAME.png`, `NAME-2.svg` and so on.
-const PLOTS: [&str; 12] = [
-    "coalescence",
-    "film",
-    "growth",
-    "laplace-pressure",
-    "large-oscillation",
-    "oscillation",
-    "pinch-off",
-    "plateau-density",
-    "semi-axis",
-    "shock",
-    "spread",
-    "spurious-velocity",
-];
 /// Either of these shows that a folder was made by a run. A scene file does
 /// not: it may be the user's own.
 const SIGNS: [&str; 2] = ["summary.json", "series.csv"];
+
+/// What a run draws at the top of its folder, one plot a measure: `NAME.png`, `NAME-2.svg` and so on. The names are
+/// those of the variants, in small letters with hyphens.
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+#[allow(missing_docs, reason = "their names say it")]
+pub enum PlotKind {
+    Coalescence,
+    Film,
+    Growth,
+    LaplacePressure,
+    LargeOscillation,
+    Oscillation,
+    PinchOff,
+    PlateauDensity,
+    SemiAxis,
+    Shock,
+    Spread,
+    SpuriousVelocity,
+}
+
+impl PlotKind {
+    fn name(self) -> String {
+        self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+    }
+}
 
 /// The folder of one run, with the places of its files. No other process can
 /// write into it as a run while this lives.
@@ -157,9 +168,8 @@ impl RunFolder {
     }
 
     /// The plot of the `index`-th measure of a kind.
-    pub fn plot(&self, name: &str, index: usize) -> PathBuf {
-        debug_assert!(PLOTS.contains(&name), "an overwritten run would leave its plot `{name}`");
-        self.file(&format!("{}.png", numbered(name, index)))
+    pub fn plot(&self, kind: PlotKind, index: usize) -> PathBuf {
+        self.file(&format!("{}.png", numbered(&kind.name(), index)))
     }
 
     /// The trace of a profiled run.
@@ -258,7 +268,7 @@ fn is_made_by_a_run(name: &str) -> bool {
 fn is_plot(name: &str) -> bool {
     let plain = name.trim_end_matches(|letter: char| letter.is_ascii_digit());
     let plain = if plain.len() < name.len() { plain.strip_suffix('-').unwrap_or(name) } else { name };
-    PLOTS.contains(&plain)
+    PlotKind::from_str(plain, false).is_ok()
 }
 
 /// Whether a run gives this name to a checkpoint: a whole one, one of a crash, a damaged or an unfinished one.
@@ -330,6 +340,8 @@ mod tests {
             "laplace-pressure.png",
             "pinch-off-2.svg",
         ];
+        let plots = PlotKind::value_variants().iter().map(|&kind| run.plot(kind, 2));
+        plots.for_each(|plot| fs::write(plot, "old").unwrap());
         for name in FILES.iter().chain(&made) {
             fs::write(run.file(name), "old").unwrap();
         }

@@ -11,7 +11,7 @@ use meniscus_cases::measure::{History, columns_of, numbered, oscillation_fit, wi
 use meniscus_cases::scene::{Measure, Scene};
 
 use crate::failure::Failure;
-use crate::output::folder::RunFolder;
+use crate::output::folder::{PlotKind, RunFolder};
 use crate::output::plot::{Curve, Plot, Style, plot};
 
 /// Points at most of a measured curve that is shown as points.
@@ -24,12 +24,12 @@ pub(super) fn draw(scene: &Scene, folder: &RunFolder, history: &History) -> Resu
         return Ok(());
     }
     for (measure, index) in with_index(&scene.measures) {
-        let (name, curves, label) = match *measure {
+        let (kind, curves, label) = match *measure {
             Measure::Oscillation { mode, radius, from, .. } => {
                 let column = numbered("mode amplitude", index);
                 let exact = Drop::of(&scene.liquid, radius).mode(mode);
                 let curves = oscillation(history, &column, exact, from);
-                ("oscillation", curves, format!("amplitude of mode {mode}"))
+                (PlotKind::Oscillation, curves, format!("amplitude of mode {mode}"))
             }
             Measure::LaplacePressure { radius, .. } => {
                 let exact = Drop::of(&scene.liquid, radius).laplace_pressure();
@@ -39,13 +39,13 @@ pub(super) fn draw(scene: &Scene, folder: &RunFolder, history: &History) -> Resu
                     curve("measured", times.clone(), values, Style::Line),
                     curve("2 sigma/R", ends, vec![exact; 2], Style::Dashed),
                 ];
-                ("laplace-pressure", curves, "pressure [Pa]".to_owned())
+                (PlotKind::LaplacePressure, curves, "pressure [Pa]".to_owned())
             }
             Measure::SpuriousVelocity { .. } => {
                 let values = history.of(&numbered("spurious velocity", index));
                 let curves = vec![curve("measured; exact is 0", times.clone(), values, Style::Line)];
                 let label = "rms velocity over the capillary velocity".to_owned();
-                ("spurious-velocity", curves, label)
+                (PlotKind::SpuriousVelocity, curves, label)
             }
             Measure::SemiAxis { radial, axial, shear, stiffness } => {
                 let exact = Spheroid { radial, axial, shear, stiffness }.at_times(&times);
@@ -55,36 +55,36 @@ pub(super) fn draw(scene: &Scene, folder: &RunFolder, history: &History) -> Resu
                     curve("exact, axial", times.clone(), exact(1), Style::Dashed),
                 ];
                 curves.extend(measured(history, measure, index));
-                ("semi-axis", curves, "semi-axis [m]".to_owned())
+                (PlotKind::SemiAxis, curves, "semi-axis [m]".to_owned())
             }
             Measure::GrowthRate { .. } => {
                 let mut curves = measured(history, measure, index);
                 curves.truncate(2);
-                ("growth", curves, "amplitude of the wave over the radius".to_owned())
+                (PlotKind::Growth, curves, "amplitude of the wave over the radius".to_owned())
             }
             Measure::FilmRetraction { .. } => {
                 let mut curves = measured(history, measure, index);
                 curves.remove(0);
-                ("film", curves, "distance from the start of the edge, and constant [m]".to_owned())
+                (PlotKind::Film, curves, "distance from the start of the edge, and constant [m]".to_owned())
             }
             Measure::PlateauDensity { .. } => {
                 let curves = measured(history, measure, index);
-                ("plateau-density", curves, "density behind the shock [kg/m3]".to_owned())
+                (PlotKind::PlateauDensity, curves, "density behind the shock [kg/m3]".to_owned())
             }
             Measure::ShockSpeed { .. } => {
                 let mut curves = measured(history, measure, index);
                 curves.truncate(1);
-                ("shock", curves, "thickness stopped by the shock [m]".to_owned())
+                (PlotKind::Shock, curves, "thickness stopped by the shock [m]".to_owned())
             }
             Measure::LargeOscillation { radial, axial, speed } => {
                 let start = Start { radial, axial, speed };
                 let exact = start.elongations(&scene.liquid, &times);
                 let mut curves = vec![curve("potential flow", times.clone(), exact, Style::Dashed)];
                 curves.extend(measured(history, measure, index));
-                ("large-oscillation", curves, "mean of s^2 P_2 over R^2".to_owned())
+                (PlotKind::LargeOscillation, curves, "mean of s^2 P_2 over R^2".to_owned())
             }
             Measure::Spread { .. } => {
-                ("spread", measured(history, measure, index), "radius of the disc [m]".to_owned())
+                (PlotKind::Spread, measured(history, measure, index), "radius of the disc [m]".to_owned())
             }
             Measure::Coalescence { radius, other } => {
                 let drops = Bridge { radius, other };
@@ -96,18 +96,18 @@ pub(super) fn draw(scene: &Scene, folder: &RunFolder, history: &History) -> Resu
                 }
                 let mut curves = vec![curve("potential flow", x, y, Style::Dashed)];
                 curves.extend(measured(history, measure, index));
-                ("coalescence", curves, "radius of the bridge [m]".to_owned())
+                (PlotKind::Coalescence, curves, "radius of the bridge [m]".to_owned())
             }
             Measure::PinchOff { radius, wavenumber, speed } => {
                 let [_, reach] = limits(scene.particle_size);
                 let [x, y] = Jet { radius, wavenumber, speed }.exact(&scene.liquid, reach);
                 let mut curves = vec![curve("potential flow", x, y, Style::Dashed)];
                 curves.extend(measured(history, measure, index));
-                ("pinch-off", curves, "radius of the thread [m]".to_owned())
+                (PlotKind::PinchOff, curves, "radius of the thread [m]".to_owned())
             }
             Measure::MomentumDrift | Measure::EnergyDrift | Measure::EnergyGain => continue,
         };
-        let path = folder.plot(name, index);
+        let path = folder.plot(kind, index);
         let picture = Plot {
             title: scene.title.clone(),
             x_label: "time [s]".to_owned(),
