@@ -150,7 +150,7 @@ mod tests {
                 ],
                 "laplace_slope",
             ),
-            (&["shifting", "boundary-evening"], "crowding_r"),
+            (&["shifting", "boundary-evening"], "concentration_gradient_r"),
             (&[], "power"),
             (&["viscosity"], "viscous_power"),
         ];

@@ -67,7 +67,7 @@ pub struct BoundaryDetect {
     guard: Option<ColourGuard>,
     position: [Read<f64>; 2],
     listed: [Read<f64>; 2],
-    lack: [Read<f64>; 3],
+    deficiency: [Read<f64>; 3],
     offset: Option<[Read<f64>; 2]>,
     surface: Write<u32>,
     candidates: Vec<u32>,
@@ -80,7 +80,8 @@ impl BoundaryDetect {
     /// support of a pair.
     pub fn new(wiring: &mut Wiring, packing: Packing, interval: u64, guard: Option<ColourGuard>) -> Self {
         wiring.stage("boundary-detect");
-        let lack = [&fields::SUPPORT_LACK_RR, &fields::SUPPORT_LACK_RZ, &fields::SUPPORT_LACK_ZZ];
+        let deficiency =
+            [&fields::SUPPORT_DEFICIENCY_RR, &fields::SUPPORT_DEFICIENCY_RZ, &fields::SUPPORT_DEFICIENCY_ZZ];
         let offset = [&fields::SURFACE_OFFSET_R, &fields::SURFACE_OFFSET_Z];
         let with_offset = guard.as_ref().is_some_and(|guard| guard.with_offset);
         BoundaryDetect {
@@ -89,7 +90,7 @@ impl BoundaryDetect {
             guard,
             position: [wiring.read(&fields::RADIUS), wiring.read(&fields::AXIAL)],
             listed: [wiring.read(&fields::LIST_RADIUS), wiring.read(&fields::LIST_AXIAL)],
-            lack: lack.map(|field| wiring.read(field)),
+            deficiency: deficiency.map(|field| wiring.read(field)),
             offset: with_offset.then(|| offset.map(|field| wiring.read(field))),
             surface: wiring.write(&fields::SURFACE),
             candidates: Vec::new(),
@@ -99,16 +100,17 @@ impl BoundaryDetect {
     }
 
     fn find_candidates(&mut self, world: &World) {
-        let [rr, rz, zz] = self.lack.map(|field| world.store.read(field));
+        let [rr, rz, zz] = self.deficiency.map(|field| world.store.read(field));
         self.candidates.clear();
         for first in (0..rr.len()).step_by(WIDTH) {
             let eight = first..rr.len().min(first + WIDTH);
             let load = |column: &[f64]| Lanes::load_or(&column[eight.clone()], 0.0);
-            let lack = load(&rr).abs() + load(&rz).abs() + load(&zz).abs();
+            let deficiency = load(&rr).abs() + load(&rz).abs() + load(&zz).abs();
             // Most lack nothing: eight of them are tested at once.
-            if lack.less_bits(Lanes::splat(f64::MIN_POSITIVE)) != 0xff {
-                let is_candidate =
-                    |i: &usize| !Moment::of_lack([rr[*i], rz[*i], zz[*i]]).eigenvalues_at_least(EIGENVALUE);
+            if deficiency.less_bits(Lanes::splat(f64::MIN_POSITIVE)) != 0xff {
+                let is_candidate = |i: &usize| {
+                    !Moment::of_deficiency([rr[*i], rz[*i], zz[*i]]).eigenvalues_at_least(EIGENVALUE)
+                };
                 self.candidates.extend(eight.filter(is_candidate).map(|i| i as u32));
             }
         }

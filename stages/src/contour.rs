@@ -1,4 +1,4 @@
-//! The contour of the surface as a polygon of feet, and what surface forces lack of the tension's pull on it.
+//! The contour of the surface as a polygon of feet, and the tension deficit: what surface forces lack of its pull on it.
 
 use crate::surface::{length, outward};
 use meniscus_engine::bins::Bins;
@@ -27,7 +27,7 @@ const RELAXATION: f64 = 0.75;
 
 /// f at a place of the surface.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Lack {
+pub(crate) struct Deficit {
     /// f, Pa.
     pub f: [f64; 2],
     /// The slope along the surface of its part across it, Pa/m.
@@ -57,7 +57,7 @@ pub(crate) struct SurfaceParticle {
     /// The reference that all its pressures act less.
     pub reference: f64,
     /// What is added to its surface force so far.
-    pub lack: Lack,
+    pub deficit: Deficit,
 }
 
 impl SurfaceParticle {
@@ -80,14 +80,14 @@ impl SurfaceParticle {
 
     /// P - P_ref and what f adds, Pa.
     fn acting_pressure(&self) -> f64 {
-        let lack = if self.area() > 0.0 { outward(self.lack.f, self.tangent) } else { 0.0 };
-        self.pressure - self.reference + lack
+        let deficit = if self.area() > 0.0 { outward(self.deficit.f, self.tangent) } else { 0.0 };
+        self.pressure - self.reference + deficit
     }
 
     /// Its surface force, N/m, outward, as `ghost_coupling` and the tangential pressure exert it.
     fn force(&self) -> [f64; 2] {
-        let (pressure, slope) = (self.acting_pressure(), self.slope + self.lack.slope);
-        let along = self.area() * dot(self.lack.f, self.tangent);
+        let (pressure, slope) = (self.acting_pressure(), self.slope + self.deficit.slope);
+        let along = self.area() * dot(self.deficit.f, self.tangent);
         [0, 1].map(|axis| pressure * self.ghost[axis] + slope * self.deep[axis] + along * self.tangent[axis])
     }
 
@@ -193,7 +193,7 @@ impl Contour {
         let corners = std::mem::take(&mut self.corners);
         self.fill(particles, 5, |_, k, sign| {
             let particle = &particles[k];
-            let SurfaceParticle { tangent, deep, reference, lack, .. } = *particle;
+            let SurfaceParticle { tangent, deep, reference, deficit, .. } = *particle;
             let Around { length, area, slope, .. } = around[k];
             let Corner { area: ds, turn } = corners[k];
             let hoop = particle.hoop(domain, tension) - reference;
@@ -212,7 +212,7 @@ impl Contour {
                 pull - force[axis] + missing[axis] * slope * inverse
             }));
             let kept = inverse * particle.length(domain, tension);
-            let [f_r, f_z] = [0, 1].map(|axis| rest[axis] + kept * lack.f[axis]);
+            let [f_r, f_z] = [0, 1].map(|axis| rest[axis] + kept * deficit.f[axis]);
             let [missing_r, missing_z] = share(missing);
             let [r, z] = tangent;
             let divergence = r / particle.radius(domain);
@@ -332,7 +332,7 @@ impl Contour {
     }
 
     /// f so far and a part of what is still lacking, both handed to the particles around: the sum of W/N times them, less R
-    /// grad_s (W/(R N)) V (I - L) (P - P_ref + f_n) of what lacks.
+    /// grad_s (W/(R N)) V (I - L) (P - P_ref + f_n) of the deficit.
     fn smoothed(&self, at: &SurfaceParticle) -> [f64; 2] {
         let mut sums = [Lanes::ZERO; 2];
         let inverse = Lanes::splat(1.0 / (SUPPORT * at.size));
@@ -346,7 +346,7 @@ impl Contour {
     }
 
     /// f within bounds, and the slope of its part across the surface.
-    fn with_slope(&self, at: &SurfaceParticle, around: &Around, f: [f64; 2]) -> Lack {
+    fn with_slope(&self, at: &SurfaceParticle, around: &Around, f: [f64; 2]) -> Deficit {
         let mut sums = [Lanes::ZERO; 2];
         let [r, z] = at.tangent.map(Lanes::splat);
         self.for_places(at, |kernel, lanes| {
@@ -355,7 +355,7 @@ impl Contour {
             sums[1] -= slope * lanes(9);
         });
         if around.area <= 0.0 {
-            return Lack::default();
+            return Deficit::default();
         }
         let inverse = 1.0 / (SUPPORT * at.size);
         let slope = [0, 1].map(|axis| (inverse * sums[axis].sum() - around.slope * f[axis]) / around.length);
@@ -364,13 +364,13 @@ impl Contour {
         // Where all others are at the edge of W, N changes from nothing to something within no distance: slopes of 1e19 Pa/m threw
         // particles out of a drop of 720.
         let steepest = most / at.size;
-        Lack { f: f.map(|f| within * f), slope: outward(slope, at.tangent).clamp(-steepest, steepest) }
+        Deficit { f: f.map(|f| within * f), slope: outward(slope, at.tangent).clamp(-steepest, steepest) }
     }
 
     /// f at the feet of all particles.
-    pub fn lack(&mut self, particles: &[SurfaceParticle], found: &mut Vec<Lack>) {
+    pub fn deficit(&mut self, particles: &[SurfaceParticle], found: &mut Vec<Deficit>) {
         found.clear();
-        found.resize(particles.len(), Lack::default());
+        found.resize(particles.len(), Deficit::default());
         parallel::for_chunks_of(64, particles.len(), &mut found[..], |start, found| {
             for (k, found) in found.iter_mut().enumerate() {
                 found.f = self.smoothed(&particles[start + k]);
@@ -417,7 +417,7 @@ mod tests {
                 pressure,
                 slope: 0.0,
                 reference: 0.0,
-                lack: Lack::default(),
+                deficit: Deficit::default(),
             }
         };
         (0..count).map(particle).collect()
@@ -427,8 +427,8 @@ mod tests {
     fn balance(particles: &mut [SurfaceParticle], origin: f64, times: usize) {
         let mut found = Vec::new();
         for _ in 0..times {
-            taken_up(particles, origin).lack(particles, &mut found);
-            particles.iter_mut().zip(&found).for_each(|(particle, lack)| particle.lack = *lack);
+            taken_up(particles, origin).deficit(particles, &mut found);
+            particles.iter_mut().zip(&found).for_each(|(particle, deficit)| particle.deficit = *deficit);
         }
     }
 
@@ -475,10 +475,10 @@ mod tests {
     fn what_is_too_much_is_lacking_with_the_other_sign() {
         let mut particles = circle(1e6, 0.0, 1.04);
         balance(&mut particles, 1e6, 20);
-        for SurfaceParticle { foot, tangent, lack, .. } in particles {
-            let along_normal = dot(lack.f, foot);
+        for SurfaceParticle { foot, tangent, deficit, .. } in particles {
+            let along_normal = dot(deficit.f, foot);
             assert!((along_normal + 0.04 / 1.04).abs() < 1e-3, "{along_normal}");
-            assert!(dot(lack.f, tangent).abs() < 1e-6);
+            assert!(dot(deficit.f, tangent).abs() < 1e-6);
         }
     }
 
@@ -487,8 +487,8 @@ mod tests {
         for origin in [1e6, 0.0] {
             let mut particles = circle(origin, 0.4 * SIZE, 1.0);
             balance(&mut particles, origin, 20);
-            for SurfaceParticle { foot, lack, .. } in particles {
-                assert!(length(lack.f) < 4e-3, "{lack:?} at {foot:?}");
+            for SurfaceParticle { foot, deficit, .. } in particles {
+                assert!(length(deficit.f) < 4e-3, "{deficit:?} at {foot:?}");
             }
         }
     }
@@ -498,8 +498,8 @@ mod tests {
         let mut particles = circle(1e6, 0.0, 1.0);
         particles.iter_mut().for_each(|particle| particle.reference = 0.7);
         balance(&mut particles, 1e6, 20);
-        for SurfaceParticle { lack, .. } in particles {
-            assert!(length(lack.f) < 1e-3, "{lack:?}");
+        for SurfaceParticle { deficit, .. } in particles {
+            assert!(length(deficit.f) < 1e-3, "{deficit:?}");
         }
     }
 
@@ -515,8 +515,8 @@ mod tests {
             ..circle(1e6, 0.0, 1.0)[0]
         });
         balance(&mut particles, 1e6, 20);
-        for SurfaceParticle { foot, lack, pressure, .. } in particles {
-            assert!(length(lack.f) <= LARGEST * pressure, "{lack:?} at {foot:?}");
+        for SurfaceParticle { foot, deficit, pressure, .. } in particles {
+            assert!(length(deficit.f) <= LARGEST * pressure, "{deficit:?} at {foot:?}");
         }
     }
 
@@ -531,8 +531,8 @@ mod tests {
             ..circle(1e6, 0.0, 1.0)[0]
         });
         balance(&mut particles, 1e6, 20);
-        for SurfaceParticle { foot, lack, pressure, size, .. } in particles {
-            assert!(lack.slope.abs() <= LARGEST * pressure / size, "{lack:?} at {foot:?}");
+        for SurfaceParticle { foot, deficit, pressure, size, .. } in particles {
+            assert!(deficit.slope.abs() <= LARGEST * pressure / size, "{deficit:?} at {foot:?}");
         }
     }
 

@@ -103,33 +103,33 @@ pub static SURFACE_TANGENT_Z: Real = Field::state(
     "1",
     "Unit tangent of the surface when the curvature was last computed, axial component; zero inside.",
 );
-/// What surface forces lack of the tension's pull, radial component.
-pub static TENSION_LACK_R: Real = Field::state(
-    "tension_lack_r",
+/// Tension deficit, radial component.
+pub static TENSION_DEFICIT_R: Real = Field::state(
+    "tension_deficit_r",
     "f_r",
     "Pa",
     "What surface forces lack of the tension's pull, over the length of the ghost's area, radial component.",
 );
-/// What surface forces lack of the tension's pull, axial component.
-pub static TENSION_LACK_Z: Real = Field::state(
-    "tension_lack_z",
+/// Tension deficit, axial component.
+pub static TENSION_DEFICIT_Z: Real = Field::state(
+    "tension_deficit_z",
     "f_z",
     "Pa",
     "What surface forces lack of the tension's pull, over the length of the ghost's area, axial component.",
 );
-/// Slope of what surface forces lack across the surface.
-pub static TENSION_LACK_SLOPE: Real = Field::state(
-    "tension_lack_slope",
+/// Slope of the tension deficit across the surface.
+pub static TENSION_DEFICIT_SLOPE: Real = Field::state(
+    "tension_deficit_slope",
     "df_n/ds",
     "Pa/m",
     "Slope along the surface of what ghosts lack of pressure, in the direction of the tangent.",
 );
-/// What the particles around leave empty.
-pub static EMPTINESS: Real = Field::state(
-    "emptiness",
+/// Void fraction around a particle.
+pub static VOID_FRACTION: Real = Field::state(
+    "void_fraction",
     "1 - c",
     "1",
-    "Part of the room around a particle that the particles there leave empty, when it was last looked at.",
+    "Void fraction: the part of the room around a particle that others leave empty, when it was last looked at.",
 );
 /// Slope of the Laplace pressure along the surface's tangent.
 pub static LAPLACE_SLOPE: Real = Field::state(
@@ -237,23 +237,23 @@ pub static SURFACE_FORCE_Z: Real = Field::derived(
     "N/m3",
     "Force density that acts through the free surface, axial component.",
 );
-/// I - L, component rr.
-pub static SUPPORT_LACK_RR: Real = Field::derived(
-    "support_lack_rr",
+/// Support deficiency I - L, component rr.
+pub static SUPPORT_DEFICIENCY_RR: Real = Field::derived(
+    "support_deficiency_rr",
     "1 - L_rr",
     "1",
     "What the moment matrix lacks of one; zero away from the surface.",
 );
-/// I - L, component rz.
-pub static SUPPORT_LACK_RZ: Real = Field::derived(
-    "support_lack_rz",
+/// Support deficiency I - L, component rz.
+pub static SUPPORT_DEFICIENCY_RZ: Real = Field::derived(
+    "support_deficiency_rz",
     "-L_rz",
     "1",
     "What the moment matrix lacks of one; zero away from the surface.",
 );
-/// I - L, component zz.
-pub static SUPPORT_LACK_ZZ: Real = Field::derived(
-    "support_lack_zz",
+/// Support deficiency I - L, component zz.
+pub static SUPPORT_DEFICIENCY_ZZ: Real = Field::derived(
+    "support_deficiency_zz",
     "1 - L_zz",
     "1",
     "What the moment matrix lacks of one; zero away from the surface.",
@@ -325,15 +325,15 @@ pub static GHOST_WEIGHT_SUM_R: Real =
 pub static GHOST_WEIGHT_SUM_Z: Real =
     Field::transient("ghost_weight_sum_z", "bw_z", "1/m", "Weight vector of a ghost, axial component.");
 /// Gradient of the particle concentration, radial.
-pub static CROWDING_R: Real = Field::transient(
-    "crowding_r",
+pub static CONCENTRATION_GRADIENT_R: Real = Field::transient(
+    "concentration_gradient_r",
     "grad C_r",
     "1/m",
     "Gradient of the particle concentration, from which shifting moves away, radial component.",
 );
 /// Gradient of the particle concentration, axial.
-pub static CROWDING_Z: Real = Field::transient(
-    "crowding_z",
+pub static CONCENTRATION_GRADIENT_Z: Real = Field::transient(
+    "concentration_gradient_z",
     "grad C_z",
     "1/m",
     "Gradient of the particle concentration, from which shifting moves away, axial component.",

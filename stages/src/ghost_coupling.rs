@@ -20,7 +20,7 @@ const IMPEDANCE_RATIO: f64 = 1e-6;
 /// U_g = U_a and P_g = P_L, and with the
 /// energy equation rho dE += -2 P* U*|bw| (equations (24) to (26); method.md, section 8).
 ///
-/// What the forces lack of tension's pull (f in `tension_balance`) acts where bw points outward: its part across the surface
+/// The tension deficit (f in `tension_balance`) acts where bw points outward: its part across the surface
 /// belongs to P_g, that along it is the force -2 (bw . n)(f . t) t.
 pub struct GhostCoupling {
     laplace: Read<f64>,
@@ -38,14 +38,14 @@ pub struct GhostCoupling {
     cleared: (u64, bool),
 }
 
-/// What forces lack, and the tangent that parts it.
+/// What forces deficit, and the tangent that parts it.
 struct Balance {
-    lack: [Read<f64>; 2],
+    deficit: [Read<f64>; 2],
     tangent: [Read<f64>; 2],
 }
 
 impl GhostCoupling {
-    /// Ghosts hold the Laplace pressure, and `with_balance` what forces lack; `constant_sound_speed` is the liquid's in
+    /// Ghosts hold the Laplace pressure, and `with_balance` the tension deficit; `constant_sound_speed` is the liquid's in
     /// m/s, if it has one.
     pub fn new(
         wiring: &mut Wiring,
@@ -54,7 +54,7 @@ impl GhostCoupling {
         with_energy: bool,
     ) -> Self {
         wiring.stage("ghost-coupling");
-        let lack = [&fields::TENSION_LACK_R, &fields::TENSION_LACK_Z];
+        let deficit = [&fields::TENSION_DEFICIT_R, &fields::TENSION_DEFICIT_Z];
         let tangent = [&fields::SURFACE_TANGENT_R, &fields::SURFACE_TANGENT_Z];
         let force = [&fields::SURFACE_FORCE_R, &fields::SURFACE_FORCE_Z];
         GhostCoupling {
@@ -63,7 +63,7 @@ impl GhostCoupling {
             surface: wiring.read(&fields::SURFACE),
             weight: [wiring.read(&fields::GHOST_WEIGHT_R), wiring.read(&fields::GHOST_WEIGHT_Z)],
             balance: with_balance.then(|| Balance {
-                lack: lack.map(|field| wiring.read(field)),
+                deficit: deficit.map(|field| wiring.read(field)),
                 tangent: tangent.map(|field| wiring.read(field)),
             }),
             reference_pressure: wiring.read(&fields::REFERENCE_PRESSURE),
@@ -101,7 +101,7 @@ impl ChunkStage for GhostCoupling {
         let mut strain_rate = chunk.write(self.strain_rate);
         let [mut force_r, mut force_z] = self.force.map(|field| chunk.write(field));
         let balance = self.balance.as_ref().map(|balance| {
-            (balance.lack.map(|field| chunk.read(field)), balance.tangent.map(|field| chunk.read(field)))
+            (balance.deficit.map(|field| chunk.read(field)), balance.tangent.map(|field| chunk.read(field)))
         });
         let mut work = self.work.as_ref().map(|work| work.of(chunk));
 
@@ -114,12 +114,13 @@ impl ChunkStage for GhostCoupling {
             let reference = first_reference + reference[i];
             let mut ghost_pressure = laplace[i] + elapsed * laplace_rate[i] - reference;
             let mut along = [0.0; 2];
-            if let Some((lack, tangent)) = &balance {
-                let (lack, tangent) = (lack.each_ref().map(|lack| lack[i]), tangent.each_ref().map(|t| t[i]));
+            if let Some((deficit, tangent)) = &balance {
+                let (deficit, tangent) =
+                    (deficit.each_ref().map(|deficit| deficit[i]), tangent.each_ref().map(|t| t[i]));
                 let open = outward(weight, tangent);
                 if open > 0.0 {
-                    ghost_pressure += outward(lack, tangent);
-                    let pull = 2.0 * open * (lack[0] * tangent[0] + lack[1] * tangent[1]);
+                    ghost_pressure += outward(deficit, tangent);
+                    let pull = 2.0 * open * (deficit[0] * tangent[0] + deficit[1] * tangent[1]);
                     along = tangent.map(|tangent| pull * tangent);
                 }
             }

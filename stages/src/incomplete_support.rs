@@ -1,4 +1,4 @@
-//! Incomplete support: what particles that may lie at the surface lack of their neighbours.
+//! Incomplete support: its deficiency I - L, what particles that may lie at the surface lack of their neighbours.
 
 use crate::boundary_detect::EIGENVALUE;
 use crate::fields;
@@ -20,7 +20,7 @@ use meniscus_engine::wiring::Wiring;
 pub struct IncompleteSupport {
     surface: Read<u32>,
     moment: [Read<f64>; 3],
-    lack: [Write<f64>; 3],
+    deficiency: [Write<f64>; 3],
     /// The sum and where it is kept, in scenes with ghosts.
     weight: Option<[(Read<f64>, Write<f64>); 2]>,
 }
@@ -30,7 +30,8 @@ impl IncompleteSupport {
     pub fn new(wiring: &mut Wiring, with_ghosts: bool) -> Self {
         wiring.stage("incomplete-support");
         let moment = [&fields::MOMENT_RR, &fields::MOMENT_RZ, &fields::MOMENT_ZZ];
-        let lack = [&fields::SUPPORT_LACK_RR, &fields::SUPPORT_LACK_RZ, &fields::SUPPORT_LACK_ZZ];
+        let deficiency =
+            [&fields::SUPPORT_DEFICIENCY_RR, &fields::SUPPORT_DEFICIENCY_RZ, &fields::SUPPORT_DEFICIENCY_ZZ];
         let weight = [
             (&fields::GHOST_WEIGHT_SUM_R, &fields::GHOST_WEIGHT_R),
             (&fields::GHOST_WEIGHT_SUM_Z, &fields::GHOST_WEIGHT_Z),
@@ -38,7 +39,7 @@ impl IncompleteSupport {
         IncompleteSupport {
             surface: wiring.read(&fields::SURFACE),
             moment: moment.map(|field| wiring.read(field)),
-            lack: lack.map(|field| wiring.write(field)),
+            deficiency: deficiency.map(|field| wiring.write(field)),
             weight: with_ghosts.then(|| weight.map(|(sum, kept)| (wiring.read(sum), wiring.write(kept)))),
         }
     }
@@ -52,7 +53,8 @@ impl ChunkStage for IncompleteSupport {
     fn chunk(&self, _: &Around, chunk: &Chunk) -> Partial {
         let surface = chunk.read(self.surface);
         let [rr, rz, zz] = self.moment.map(|field| chunk.read(field));
-        let [mut lack_rr, mut lack_rz, mut lack_zz] = self.lack.map(|field| chunk.write(field));
+        let [mut deficiency_rr, mut deficiency_rz, mut deficiency_zz] =
+            self.deficiency.map(|field| chunk.write(field));
         let mut weight = self.weight.map(|both| both.map(|(sum, kept)| (chunk.read(sum), chunk.write(kept))));
         for first in (0..chunk.len()).step_by(WIDTH) {
             let eight = first..chunk.len().min(first + WIDTH);
@@ -61,8 +63,8 @@ impl ChunkStage for IncompleteSupport {
             let is_inside = surface[eight.clone()].iter().fold(INSIDE, |any, code| any | code) == INSIDE;
             if is_inside && eigenvalue_margin([rr, rz, zz], EIGENVALUE).all_positive() {
                 // Written only where they are not zero already: then 1 - L_rr is not, for one of eight at least.
-                if load(&lack_rr, 0.0).abs().less_bits(Lanes::splat(f64::MIN_POSITIVE)) != 0xff {
-                    for column in [&mut lack_rr, &mut lack_rz, &mut lack_zz] {
+                if load(&deficiency_rr, 0.0).abs().less_bits(Lanes::splat(f64::MIN_POSITIVE)) != 0xff {
+                    for column in [&mut deficiency_rr, &mut deficiency_rz, &mut deficiency_zz] {
                         column[eight.clone()].fill(0.0);
                     }
                     for (_, kept) in weight.iter_mut().flatten() {
@@ -70,9 +72,9 @@ impl ChunkStage for IncompleteSupport {
                     }
                 }
             } else {
-                (Lanes::ONE - rr).store(&mut lack_rr[eight.clone()]);
-                (-rz).store(&mut lack_rz[eight.clone()]);
-                (Lanes::ONE - zz).store(&mut lack_zz[eight.clone()]);
+                (Lanes::ONE - rr).store(&mut deficiency_rr[eight.clone()]);
+                (-rz).store(&mut deficiency_rz[eight.clone()]);
+                (Lanes::ONE - zz).store(&mut deficiency_zz[eight.clone()]);
                 for (sum, kept) in weight.iter_mut().flatten() {
                     kept[eight.clone()].copy_from_slice(&sum[eight.clone()]);
                 }

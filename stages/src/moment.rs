@@ -16,7 +16,7 @@ pub struct Moment {
 impl Moment {
     /// L from the components rr, rz and zz of I - L.
     #[inline]
-    pub fn of_lack([rr, rz, zz]: [f64; 3]) -> Moment {
+    pub fn of_deficiency([rr, rz, zz]: [f64; 3]) -> Moment {
         Moment { rr: 1.0 - rr, rz: -rz, zz: 1.0 - zz }
     }
 
@@ -100,6 +100,6 @@ mod tests {
         assert!(moment.eigenvalues_at_least(0.999) && !moment.eigenvalues_at_least(1.001));
         assert_eq!(moment.anisotropy(), 0.5);
         assert!(moment.is_anisotropic(0.499) && !moment.is_anisotropic(0.501));
-        assert_eq!(Moment::of_lack([-1.0, -1.0, -1.0]), moment);
+        assert_eq!(Moment::of_deficiency([-1.0, -1.0, -1.0]), moment);
     }
 }

@@ -1,4 +1,4 @@
-//! Shifting: particles give way to crowding where the packing has become uneven.
+//! Shifting: particles move down the gradient of their concentration where the packing has become uneven.
 
 use crate::fields;
 use crate::integrate::CLOSED;
@@ -25,7 +25,8 @@ const UNEVEN: [f64; 2] = [0.05, 0.1];
 /// strength: a ring that closes on the axis has no neighbour there that would hold it off.
 const CLOSING: [f64; 2] = [0.42, 0.35];
 /// The same for a ring that sticks to the axis: with wide supports the kernel's gradient at its image, so near, is next to
-/// nothing, its neighbours push it on, and the whole scene waits for its steps. It moves outward whatever the crowding.
+/// nothing, its neighbours push it on, and the whole scene waits for its steps. It moves outward whatever the gradient of
+/// the concentration.
 const STUCK: [f64; 2] = [0.35, 0.2];
 /// Speed of that over the greatest one that scales shifts.
 const LOOSENING: f64 = 0.1;
@@ -60,10 +61,10 @@ pub struct Strength {
 ///
 /// Particles at the boundary go with the flow alone (and under surface tension give way to crowds, `BoundaryEvening`),
 /// where section 10 lets them shift along the surface. What is along it the ghost's weight doesn't tell near the axis,
-/// where it leans by twenty degrees: a part of what the missing side leaves of the crowding drew the ring at a pole
-/// inward wherever the flow was fast enough for shifts, its area grew, with it the curvature, and so the flow. The poles
-/// of fine drops were thrown about. Along the tangent of the surface shifts do no such harm, but drops that swing far
-/// lose more than without any.
+/// where it leans by twenty degrees: a part of what the missing side leaves of the gradient of the concentration drew the
+/// ring at a pole inward wherever the flow was fast enough for shifts, its area grew, with it the curvature, and so the
+/// flow. The poles of fine drops were thrown about. Along the tangent of the surface shifts do no such harm, but drops
+/// that swing far lose more than without any.
 ///
 /// Near the boundary section 10 leaves the outward part out, too. But particles shift to and fro there, and if the
 /// inward shifts alone are let through, they draw the surface in and the pressure pushes it out again: drops that
@@ -73,7 +74,7 @@ pub struct Strength {
 /// the time with the greatest speed.
 pub struct Shifting {
     strength: Strength,
-    crowding: [Read<f64>; 2],
+    concentration_gradient: [Read<f64>; 2],
     moment: [Read<f64>; 3],
     deformation: Option<[Read<f64>; 3]>,
     surface: Read<u32>,
@@ -147,7 +148,10 @@ impl Shifting {
         let moment = [&fields::MOMENT_RR, &fields::MOMENT_RZ, &fields::MOMENT_ZZ];
         Shifting {
             strength,
-            crowding: [wiring.read(&fields::CROWDING_R), wiring.read(&fields::CROWDING_Z)],
+            concentration_gradient: [
+                wiring.read(&fields::CONCENTRATION_GRADIENT_R),
+                wiring.read(&fields::CONCENTRATION_GRADIENT_Z),
+            ],
             moment: moment.map(|field| wiring.read(field)),
             deformation: with_deformation.then(|| DEFORMATION.map(|field| wiring.read(field))),
             surface: wiring.read(&fields::SURFACE),
@@ -236,8 +240,8 @@ impl Shifting {
         };
         let needed = if neighbourhoods.is_at_boundary(k) { 0.0 } else { needed };
         let factor = needed * coefficient * speed * columns.duration * support;
-        let [crowding_r, crowding_z] = &columns.crowding;
-        let shift = [-factor * crowding_r[k], -factor * crowding_z[k]];
+        let [gradient_r, gradient_z] = &columns.concentration_gradient;
+        let shift = [-factor * gradient_r[k], -factor * gradient_z[k]];
         let farthest = columns.farthest * size;
         let length = (shift[0] * shift[0] + shift[1] * shift[1]).sqrt();
         let keep = if length > farthest { farthest / length } else { 1.0 };
@@ -251,7 +255,7 @@ impl Shifting {
 
 /// What a shift is made from.
 struct Columns<'a> {
-    crowding: [Ref<'a, [f64]>; 2],
+    concentration_gradient: [Ref<'a, [f64]>; 2],
     deformation: Option<[Ref<'a, [f64]>; 3]>,
     /// s
     duration: f64,
@@ -279,7 +283,7 @@ impl ChunkStage for Shifting {
             moment: self.moment.map(|field| chunk.read(field)),
         };
         let columns = Columns {
-            crowding: self.crowding.map(|field| chunk.read(field)),
+            concentration_gradient: self.concentration_gradient.map(|field| chunk.read(field)),
             deformation: self.deformation.map(|fields| fields.map(|field| chunk.read(field))),
             duration,
             farthest: CAP * interval as f64,

@@ -17,10 +17,10 @@ pub const INVERTIBLE: f64 = 0.2;
 /// -(I - L) grad_s P_L.
 pub struct TangentialPressure {
     surface: Read<u32>,
-    lack: [Read<f64>; 3],
+    deficiency: [Read<f64>; 3],
     slope: Read<f64>,
     slope_rate: Read<f64>,
-    lack_slope: Read<f64>,
+    deficit_slope: Read<f64>,
     tangent: [Read<f64>; 2],
     force: [Add<f64>; 2],
     work: Option<Work>,
@@ -33,10 +33,10 @@ impl TangentialPressure {
         let force = [&fields::SURFACE_FORCE_R, &fields::SURFACE_FORCE_Z];
         TangentialPressure {
             surface: wiring.read(&fields::SURFACE),
-            lack: support_lack(wiring),
+            deficiency: support_deficiency(wiring),
             slope: wiring.read(&fields::LAPLACE_SLOPE),
             slope_rate: wiring.read(&fields::LAPLACE_SLOPE_RATE),
-            lack_slope: wiring.read(&fields::TENSION_LACK_SLOPE),
+            deficit_slope: wiring.read(&fields::TENSION_DEFICIT_SLOPE),
             tangent: [wiring.read(&fields::SURFACE_TANGENT_R), wiring.read(&fields::SURFACE_TANGENT_Z)],
             force: force.map(|field| wiring.add(field)),
             work: Work::new(wiring, with_energy),
@@ -44,8 +44,8 @@ impl TangentialPressure {
     }
 }
 
-fn support_lack(wiring: &mut Wiring) -> [Read<f64>; 3] {
-    [&fields::SUPPORT_LACK_RR, &fields::SUPPORT_LACK_RZ, &fields::SUPPORT_LACK_ZZ]
+fn support_deficiency(wiring: &mut Wiring) -> [Read<f64>; 3] {
+    [&fields::SUPPORT_DEFICIENCY_RR, &fields::SUPPORT_DEFICIENCY_RZ, &fields::SUPPORT_DEFICIENCY_ZZ]
         .map(|field| wiring.read(field))
 }
 
@@ -55,17 +55,17 @@ impl ChunkStage for TangentialPressure {
     }
 
     fn chunk(&self, around: &Around, chunk: &Chunk) -> Partial {
-        let [rr, rz, zz] = self.lack.map(|field| chunk.read(field));
+        let [rr, rz, zz] = self.deficiency.map(|field| chunk.read(field));
         let [tangent_r, tangent_z] = self.tangent.map(|field| chunk.read(field));
         let (slope, slope_rate) = (chunk.read(self.slope), chunk.read(self.slope_rate));
-        let lack_slope = chunk.read(self.lack_slope);
+        let deficit_slope = chunk.read(self.deficit_slope);
         // Carried on as the Laplace pressure is (`ghost_coupling`).
         let elapsed = around.clock.time - around.clock.mark(COMPUTED);
         let [mut force_r, mut force_z] = self.force.map(|field| chunk.write(field));
         let mut work = self.work.as_ref().map(|work| work.of(chunk));
         for_surface(&chunk.read(self.surface), |i| {
             let missing = Moment { rr: rr[i], rz: rz[i], zz: zz[i] };
-            let slope = slope[i] + elapsed * slope_rate[i] + lack_slope[i];
+            let slope = slope[i] + elapsed * slope_rate[i] + deficit_slope[i];
             let force = missing.apply([tangent_r[i], tangent_z[i]]).map(|component| -slope * component);
             force_r[i] += force[0];
             force_z[i] += force[1];
@@ -81,7 +81,7 @@ impl ChunkStage for TangentialPressure {
 /// velocity gradient G = T L^{-1}. (L is symmetric: of G only the rate of deformation counts.)
 pub struct StrainCorrection {
     surface: Read<u32>,
-    lack: [Read<f64>; 3],
+    deficiency: [Read<f64>; 3],
     deformation: [Read<f64>; 3],
     strain_rate: Add<f64>,
 }
@@ -93,7 +93,7 @@ impl StrainCorrection {
         let deformation = [&fields::DEFORMATION_RR, &fields::DEFORMATION_SHEAR, &fields::DEFORMATION_ZZ];
         StrainCorrection {
             surface: wiring.read(&fields::SURFACE),
-            lack: support_lack(wiring),
+            deficiency: support_deficiency(wiring),
             deformation: deformation.map(|field| wiring.read(field)),
             strain_rate: wiring.add(&fields::STRAIN_RATE),
         }
@@ -106,11 +106,11 @@ impl ChunkStage for StrainCorrection {
     }
 
     fn chunk(&self, _: &Around, chunk: &Chunk) -> Partial {
-        let lack = self.lack.map(|field| chunk.read(field));
+        let deficiency = self.deficiency.map(|field| chunk.read(field));
         let deformation = self.deformation.map(|field| chunk.read(field));
         let mut strain_rate = chunk.write(self.strain_rate);
         for_surface(&chunk.read(self.surface), |i| {
-            strain_rate[i] += (0..3).map(|c| deformation[c][i] * lack[c][i]).sum::<f64>();
+            strain_rate[i] += (0..3).map(|c| deformation[c][i] * deficiency[c][i]).sum::<f64>();
         });
         [0.0; 2]
     }

@@ -1,4 +1,4 @@
-//! The balance of tension: what surface forces lack of its pull at the ends of every piece of the contour.
+//! The balance of tension: its deficit, what surface forces lack of its pull, at the ends of every piece of the contour.
 //!
 //! Ghosts push with the Laplace pressure P on A = 2 V bw, the part of a particle's surroundings that is
 //! empty, and the tangential pressure adds -V (I - L) grad_s P (method.md, section 10, T). Both together are the
@@ -31,7 +31,7 @@
 //! Forces are those of P - P_ref; what the reference does not do on the right side is -P_ref n ds. The contour is the
 //! polygon through the feet, the places on the surface next to the boundary particles.
 
-use crate::contour::{Contour, Lack, SurfaceParticle};
+use crate::contour::{Contour, Deficit, SurfaceParticle};
 use crate::equation_of_state::Packing;
 use crate::fields;
 use crate::moment::Moment;
@@ -56,24 +56,26 @@ pub struct TensionBalance {
     surface: Read<u32>,
     offset: [Read<f64>; 2],
     tangent: [Read<f64>; 2],
-    support_lack: [Read<f64>; 3],
+    support_deficiency: [Read<f64>; 3],
     weight: [Read<f64>; 2],
     pressure: Read<f64>,
     slope: Read<f64>,
     reference: Read<f64>,
-    lack: [Update<f64>; 3],
+    deficit: [Update<f64>; 3],
     numbers: Vec<u32>,
     particles: Vec<SurfaceParticle>,
     contour: Contour,
-    found: Vec<Lack>,
+    found: Vec<Deficit>,
 }
 
 impl TensionBalance {
     /// Finds f in steps in which the curvature is computed, for a surface tension in N/m.
     pub fn new(wiring: &mut Wiring, packing: Packing, tension: f64) -> Self {
         wiring.stage("tension-balance");
-        let support_lack = [&fields::SUPPORT_LACK_RR, &fields::SUPPORT_LACK_RZ, &fields::SUPPORT_LACK_ZZ];
-        let lack = [&fields::TENSION_LACK_R, &fields::TENSION_LACK_Z, &fields::TENSION_LACK_SLOPE];
+        let support_deficiency =
+            [&fields::SUPPORT_DEFICIENCY_RR, &fields::SUPPORT_DEFICIENCY_RZ, &fields::SUPPORT_DEFICIENCY_ZZ];
+        let deficit =
+            [&fields::TENSION_DEFICIT_R, &fields::TENSION_DEFICIT_Z, &fields::TENSION_DEFICIT_SLOPE];
         TensionBalance {
             packing,
             tension,
@@ -81,12 +83,12 @@ impl TensionBalance {
             surface: wiring.read(&fields::SURFACE),
             offset: [wiring.read(&fields::SURFACE_OFFSET_R), wiring.read(&fields::SURFACE_OFFSET_Z)],
             tangent: [wiring.read(&fields::SURFACE_TANGENT_R), wiring.read(&fields::SURFACE_TANGENT_Z)],
-            support_lack: support_lack.map(|field| wiring.read(field)),
+            support_deficiency: support_deficiency.map(|field| wiring.read(field)),
             weight: [wiring.read(&fields::GHOST_WEIGHT_R), wiring.read(&fields::GHOST_WEIGHT_Z)],
             pressure: wiring.read(&fields::LAPLACE_PRESSURE),
             slope: wiring.read(&fields::LAPLACE_SLOPE),
             reference: wiring.read(&fields::REFERENCE_PRESSURE),
-            lack: lack.map(|field| wiring.update(field)),
+            deficit: deficit.map(|field| wiring.update(field)),
             numbers: Vec::new(),
             particles: Vec::new(),
             contour: Contour::default(),
@@ -100,11 +102,11 @@ impl TensionBalance {
         let [offset_r, offset_z] = self.offset.map(|field| world.store.read(field));
         let [tangent_r, tangent_z] = self.tangent.map(|field| world.store.read(field));
         let [weight_r, weight_z] = self.weight.map(|field| world.store.read(field));
-        let [rr, rz, zz] = self.support_lack.map(|field| world.store.read(field));
+        let [rr, rz, zz] = self.support_deficiency.map(|field| world.store.read(field));
         let (packed, surface) = (PackedState(&world.rows), world.store.read(self.surface));
         let (pressure, slope) = (world.store.read(self.pressure), world.store.read(self.slope));
         let reference = world.store.read(self.reference);
-        let [lack_r, lack_z, lack_slope] = self.lack.map(|field| world.store.write(field));
+        let [deficit_r, deficit_z, deficit_slope] = self.deficit.map(|field| world.store.write(field));
         let first_reference = world.clock.number(FIRST_REFERENCE);
         let Packing { largest_size, domain, .. } = self.packing;
         self.numbers.clear();
@@ -133,7 +135,7 @@ impl TensionBalance {
                 pressure: pressure[i],
                 slope: slope[i],
                 reference: first_reference + reference[i],
-                lack: Lack { f: [lack_r[i], lack_z[i]], slope: lack_slope[i] },
+                deficit: Deficit { f: [deficit_r[i], deficit_z[i]], slope: deficit_slope[i] },
             }
         }));
     }
@@ -142,13 +144,13 @@ impl TensionBalance {
     fn measure(&mut self) {
         let Packing { largest_size, domain, .. } = self.packing;
         self.contour.gather(&self.particles, largest_size, &domain, self.tension);
-        self.contour.lack(&self.particles, &mut self.found);
+        self.contour.deficit(&self.particles, &mut self.found);
     }
 
-    fn store_lack(&self, world: &World) {
-        let mut columns = self.lack.map(|field| world.store.write(field));
+    fn store_deficit(&self, world: &World) {
+        let mut columns = self.deficit.map(|field| world.store.write(field));
         columns.iter_mut().for_each(|column| clear(&mut column[..]));
-        for (&i, Lack { f: [r, z], slope }) in self.numbers.iter().zip(&self.found) {
+        for (&i, Deficit { f: [r, z], slope }) in self.numbers.iter().zip(&self.found) {
             for (column, value) in columns.iter_mut().zip([r, z, slope]) {
                 column[i as usize] = *value;
             }
@@ -171,7 +173,7 @@ impl Stage for TensionBalance {
         if clock.mark(COMPUTED) == clock.time && clock.step.is_multiple_of(INTERVAL) {
             self.gather(world);
             self.measure();
-            self.store_lack(world);
+            self.store_deficit(world);
         }
         Ok(())
     }

@@ -18,19 +18,19 @@ pub(crate) const STEPS: [u64; 2] = [80, 1280];
 /// Part of the capillary time up to which it is twice the fewest, four times and so on.
 pub(crate) const LONGEST: f64 = 0.045;
 
-/// Emptiness that doesn't count, of either sign: that of packings that have settled is .001 with a deviation of .003.
+/// Void fraction that doesn't count, of either sign: that of packings that have settled is .001 with a deviation of .003.
 const TOLERANCE: f64 = 0.01;
 
 /// How fast voids close, over one by the scene's capillary time.
 const RATE: f64 = 3.0;
 
-/// Largest part of the emptiness that closes until the next look: with more than all of it voids would open and close
+/// Largest part of the void fraction that closes until the next look: with more than all of it voids would open and close
 /// from look to look, and with small drops of few particles 3/t_c is as fast as that.
 const MOST: f64 = 0.3;
 
-/// eps += RATE/t_c e, where e = 1 - sum_b V_b W_b is the part of a particle's surroundings that particles leave
-/// empty, with the flat kernel W = 3/(pi H^2) (1 - q^2)^2, whose sum hardly feels how the particles lie that fill
-/// it.
+/// eps += RATE/t_c e, where the void fraction e = 1 - sum_b V_b W_b is the part of a particle's surroundings that
+/// particles leave empty, with the flat kernel W = 3/(pi H^2) (1 - q^2)^2, whose sum hardly feels how the particles lie
+/// that fill it.
 ///
 /// The density is integrated, and the pair sum of the strain rate doesn't see all of what a violent flow does to the
 /// packing: in a drop that had swung four times at a large amplitude particles took up 2 to 4 % more room than their
@@ -48,7 +48,7 @@ pub struct VoidClosing {
     longest: f64,
     position: [Read<f64>; 2],
     surface: Read<u32>,
-    emptiness: Update<f64>,
+    void_fraction: Update<f64>,
     strain_rate: Add<f64>,
 }
 
@@ -64,7 +64,7 @@ impl VoidClosing {
             longest: LONGEST / capillary_rate,
             position: [wiring.read(&fields::RADIUS), wiring.read(&fields::AXIAL)],
             surface: wiring.read(&fields::SURFACE),
-            emptiness: wiring.update(&fields::EMPTINESS),
+            void_fraction: wiring.update(&fields::VOID_FRACTION),
             strain_rate: wiring.add(&fields::STRAIN_RATE),
         }
     }
@@ -111,9 +111,9 @@ impl VoidClosing {
         // beyond their centres: what the surface cuts off weighs some thousandths. (With half a size less the sums
         // near the surface and the axis differ by one per cent in packings that have settled.)
         let reach = 4.0 * self.packing.theta + 1.0;
-        let mut emptiness = world.store.write(self.emptiness);
-        parallel::for_chunks_of(64, r.len(), &mut emptiness[..], |start, emptiness| {
-            for (k, emptiness) in emptiness.iter_mut().enumerate() {
+        let mut void_fraction = world.store.write(self.void_fraction);
+        parallel::for_chunks_of(64, r.len(), &mut void_fraction[..], |start, void_fraction| {
+            for (k, void_fraction) in void_fraction.iter_mut().enumerate() {
                 let i = start + k;
                 let found = if surface[i] == INSIDE {
                     let reach = reach * packed.size(i).min(self.packing.largest_size);
@@ -128,8 +128,8 @@ impl VoidClosing {
                 };
                 let beyond = found - found.clamp(-TOLERANCE, TOLERANCE);
                 // Most are zero and stay so, and what is never written takes no memory.
-                if *emptiness != beyond {
-                    *emptiness = beyond;
+                if *void_fraction != beyond {
+                    *void_fraction = beyond;
                 }
             }
         });
@@ -152,9 +152,10 @@ impl ChunkStage for VoidClosing {
     }
 
     fn chunk(&self, _: &Around, chunk: &Chunk) -> Partial {
-        let (emptiness, mut strain_rate) = (chunk.write(self.emptiness), chunk.write(self.strain_rate));
-        for (strain_rate, emptiness) in strain_rate.iter_mut().zip(&*emptiness) {
-            *strain_rate += self.rate_now * emptiness;
+        let (void_fraction, mut strain_rate) =
+            (chunk.write(self.void_fraction), chunk.write(self.strain_rate));
+        for (strain_rate, void_fraction) in strain_rate.iter_mut().zip(&*void_fraction) {
+            *strain_rate += self.rate_now * void_fraction;
         }
         [0.0; 2]
     }

@@ -86,7 +86,7 @@ pub struct Sums {
     /// Velocity differences before division by the moment matrix.
     pub velocity_sum: Matrix,
     /// Gradient of the particle concentration with the term against pairing.
-    pub crowding: Vector,
+    pub concentration_gradient: Vector,
 }
 
 impl Medium {
@@ -210,7 +210,7 @@ impl Medium {
         }
         let spacing = 0.5 * (self.size(a) + self.size(b));
         let nearness = (1.0 - q) / (1.0 - spacing / support);
-        add(&mut sums.crowding, (1.0 + 0.2 * nearness.powi(12)) * area * g, e);
+        add(&mut sums.concentration_gradient, (1.0 + 0.2 * nearness.powi(12)) * area * g, e);
 
         let weight = if self.near_axis(a) {
             2.0 * area

@@ -83,7 +83,12 @@ fn compare(physics: &Physics, particles: &[Particle], about: &str) {
         agree("dissipation", about, &column("dissipation"), &pick(&|s| s.dissipation[k]));
         agree("ghost_weight", about, &column("ghost_weight_sum"), &pick(&|s| s.ghost_weight[k]));
         if physics.method.shifting.is_none_or(|coefficient| coefficient > 0.0) {
-            agree("crowding", about, &column("crowding"), &pick(&|s| s.crowding[k]));
+            agree(
+                "concentration_gradient",
+                about,
+                &column("concentration_gradient"),
+                &pick(&|s| s.concentration_gradient[k]),
+            );
         }
     }
     for (name, [i, j]) in [("moment_rr", [0, 0]), ("moment_rz", [0, 1]), ("moment_zz", [1, 1])] {
@@ -172,7 +177,7 @@ fn kernel_scales_and_reference_pressures() {
 }
 
 #[test]
-fn crowding_is_summed_in_steps_that_shift() {
+fn the_concentration_gradient_is_summed_in_steps_that_shift() {
     let physics = with(|m| (m.shifting, m.shifting_interval) = (Some(0.5), Some(3)));
     let mut random = Random::new(37);
     let mut particles = liquid::block([10, 12], 0.4, 0.3, &mut random);
@@ -180,7 +185,7 @@ fn crowding_is_summed_in_steps_that_shift() {
     let mut block = Block::new(&physics, &particles);
     let mut after_step = || {
         block.step();
-        [block.column("crowding_z"), block.column("moment_zz")]
+        [block.column("concentration_gradient_z"), block.column("moment_zz")]
     };
     let steps: Vec<[Vec<f64>; 2]> = (0..4).map(|_| after_step()).collect();
     let differs = |column: usize, step: usize| steps[step][column] != steps[step - 1][column];

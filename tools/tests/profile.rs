@@ -90,10 +90,11 @@ fn a_profile_tells_the_speed_of_every_stage_and_changes_nothing() {
     // A reconstructed contact with harmonic-mean weights, and the terms that this drop has.
     let operations = number(&pairs["gigaflops"]) / speed;
     let (contact, terms) = (50.0 + 3.0 + 37.0, [2.0, 10.0, 8.0, 4.0, 12.0]);
-    // Crowding is summed in every third step, from the first one on; lists are a little longer in some than in others.
+    // The gradient of the concentration is summed in every third step, from the first one on; lists are a little longer
+    // in some than in others.
     let steps = number(&summary["steps"]);
-    let crowding = 12.0 * (steps / 3.0).ceil() / steps;
-    let expected = contact + terms.iter().sum::<f64>() + crowding;
+    let gradient = 12.0 * (steps / 3.0).ceil() / steps;
+    let expected = contact + terms.iter().sum::<f64>() + gradient;
     assert!((operations - expected).abs() < 0.01, "{operations} a pair, not {expected}");
     assert!(bytes > 68.0 && bytes < 68.0 + (64.0 + 8.0 * 24.0) / each, "{bytes} bytes a pair");
 }

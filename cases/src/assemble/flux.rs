@@ -10,7 +10,8 @@ use meniscus_stages::equation_of_state::Besides;
 use meniscus_stages::geometry::{Geometry, HarmonicMean, NearAxisParshikov, Parshikov};
 use meniscus_stages::record::{DeformationRecord, FlowRecord, FlowState, Precision, ShockRecord};
 use meniscus_stages::terms::{
-    Crowding, DensityRate, EnergyRate, GhostWeight, MomentMatrix, PressureRiemann, VelocitySum, Viscosity,
+    ConcentrationGradient, DensityRate, EnergyRate, GhostWeight, MomentMatrix, PressureRiemann, VelocitySum,
+    Viscosity,
 };
 
 /// The sums of any liquid: flow, surface and gradient, and energy.
@@ -116,8 +117,8 @@ impl Builder<'_> {
         let (viscosity, with_energy) = (self.physics.viscosity, self.with_energy());
         let viscosity = Viscosity::new(&mut self.wiring, geometry, viscosity, with_energy);
         let problem = self.problem(geometry, reconstruction);
-        let crowding = self.crowding();
-        self.pass::<DeformationRecord<T>, _, _, _, _>(problem, (sums, viscosity), crowding)
+        let gradient = self.concentration_gradient();
+        self.pass::<DeformationRecord<T>, _, _, _, _>(problem, (sums, viscosity), gradient)
     }
 
     fn sums<G: Geometry>(&mut self, geometry: G) -> Sums<G> {
@@ -136,9 +137,9 @@ impl Builder<'_> {
     }
 
     /// Only steps that shift need it.
-    fn crowding(&mut self) -> Option<Crowding> {
+    fn concentration_gradient(&mut self) -> Option<ConcentrationGradient> {
         let theta = self.physics.method.theta;
-        (self.shifting() > 0.0).then(|| Crowding::new(&mut self.wiring, theta))
+        (self.shifting() > 0.0).then(|| ConcentrationGradient::new(&mut self.wiring, theta))
     }
 
     /// The sums of most scenes are fused without a question; the rest are options.
@@ -148,12 +149,12 @@ impl Builder<'_> {
         G: Geometry + 'static,
         F: Reconstruction<R> + 'static,
     {
-        let crowding = self.crowding();
+        let gradient = self.concentration_gradient();
         match sums {
             (flow, (Some(moment), Some(weight), Some(sum)), energy) => {
-                self.pass::<R, _, _, _, _>(problem, (flow, (moment, weight, sum), energy), crowding)
+                self.pass::<R, _, _, _, _>(problem, (flow, (moment, weight, sum), energy), gradient)
             }
-            sums => self.pass::<R, _, _, _, _>(problem, sums, crowding),
+            sums => self.pass::<R, _, _, _, _>(problem, sums, gradient),
         }
     }
 

@@ -1,6 +1,6 @@
 //! The pair terms: what a pass sums over neighbours, one file each.
 
-mod crowding;
+mod concentration_gradient;
 mod density_rate;
 mod energy_rate;
 mod ghost_weight;
@@ -9,7 +9,7 @@ mod pressure_riemann;
 mod velocity_sum;
 mod viscosity;
 
-pub use crowding::Crowding;
+pub use concentration_gradient::ConcentrationGradient;
 pub use density_rate::DensityRate;
 pub use energy_rate::EnergyRate;
 pub use ghost_weight::GhostWeight;

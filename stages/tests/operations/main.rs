@@ -30,7 +30,8 @@ use lanes::{Slots, counted};
 use pairs::{Interaction, PairTerm, Record};
 use record::{DeformationRecord, FlowRecord, FlowState, ShockRecord};
 use terms::{
-    Crowding, DensityRate, EnergyRate, GhostWeight, MomentMatrix, PressureRiemann, VelocitySum, Viscosity,
+    ConcentrationGradient, DensityRate, EnergyRate, GhostWeight, MomentMatrix, PressureRiemann, VelocitySum,
+    Viscosity,
 };
 use wiring::Wiring;
 
@@ -81,7 +82,7 @@ fn terms_do_what_they_declare() {
     let mut wiring = Wiring::new();
     let wiring = &mut wiring;
     wiring.stage("flux");
-    term("crowding", Crowding::new(wiring, 0.5));
+    term("concentration gradient", ConcentrationGradient::new(wiring, 0.5));
     term("density rate", DensityRate::new(wiring, GEOMETRY));
     term("energy rate", EnergyRate::new(wiring, GEOMETRY));
     term("ghost weight", GhostWeight::new(wiring, GEOMETRY));

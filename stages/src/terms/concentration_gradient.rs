@@ -1,4 +1,4 @@
-//! Where particles crowd: the direction from which shifting moves them away.
+//! The gradient of the particle concentration, against which shifting moves particles.
 
 use crate::contact::Contact;
 use crate::fields;
@@ -13,23 +13,26 @@ use meniscus_engine::wiring::Wiring;
 /// et al. 2017), with (1 - q)^3, which rises about as steeply as the kernel where neighbours lie and is at hand, for W. Without
 /// such a term some fast collisions (`cases/drop-collision-capillary/hard.toml`) break down or creep on with tiny
 /// steps.
-pub struct Crowding {
+pub struct ConcentrationGradient {
     /// 1/(1 - q_D)^3.
     inverse_regular: f64,
-    crowding: [Write<f64>; 2],
+    gradient: [Write<f64>; 2],
 }
 
-impl Crowding {
+impl ConcentrationGradient {
     /// Writes the two components; `theta` is the smoothing length over the sum of two particles' sizes.
     pub fn new(wiring: &mut Wiring, theta: f64) -> Self {
-        let crowding = [wiring.write(&fields::CROWDING_R), wiring.write(&fields::CROWDING_Z)];
+        let gradient = [
+            wiring.write(&fields::CONCENTRATION_GRADIENT_R),
+            wiring.write(&fields::CONCENTRATION_GRADIENT_Z),
+        ];
         // Two equal particles at their regular distance D lie at q = 1/(4 theta).
         let inside = (1.0 - 1.0 / (4.0 * theta)).max(0.1);
-        Crowding { inverse_regular: inside.powi(-3), crowding }
+        ConcentrationGradient { inverse_regular: inside.powi(-3), gradient }
     }
 }
 
-impl<R: FlowState> PairTerm<R, Contact<R::Scalar>> for Crowding {
+impl<R: FlowState> PairTerm<R, Contact<R::Scalar>> for ConcentrationGradient {
     type Sum = [Lanes<R::Scalar>; 2];
     const OUTPUTS: usize = 2;
 
@@ -58,6 +61,6 @@ impl<R: FlowState> PairTerm<R, Contact<R::Scalar>> for Crowding {
     }
 
     fn outputs(&self, columns: &mut Columns) {
-        columns.extend(self.crowding.map(Some));
+        columns.extend(self.gradient.map(Some));
     }
 }
