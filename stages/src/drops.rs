@@ -4,8 +4,8 @@ use crate::components::components;
 use crate::equation_of_state::Packing;
 use crate::fields;
 use crate::rows::PackedState;
+use crate::time_step::steps_to_move;
 use bumpalo::Bump;
-use meniscus_engine::parallel;
 use meniscus_engine::pipeline::{Fault, Stage, World};
 use meniscus_engine::store::{Read, Update};
 use meniscus_engine::wiring::Wiring;
@@ -41,10 +41,8 @@ impl Drops {
     /// Steps between two looks at the present pace.
     fn interval(&self, world: &World) -> u64 {
         let [u, w] = self.velocity.map(|field| world.store.read(field));
-        let (u, w) = (&u[..], &w[..]);
-        let fastest = parallel::maximum(u.len(), |i| u[i] * u[i] + w[i] * w[i]).sqrt();
         let farthest = FARTHEST * 0.5 * self.packing.largest_size;
-        world.clock.steps_within(farthest / fastest, [INTERVAL, MOST_STEPS])
+        steps_to_move(&world.clock, [&u, &w], farthest, [INTERVAL, MOST_STEPS])
     }
 }
 

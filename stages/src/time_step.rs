@@ -5,9 +5,10 @@ use crate::fields;
 use crate::rows::PackedState;
 use crate::sound_speed::SoundSpeed;
 use crate::viscosity::evening_rate;
+use meniscus_engine::clock::Clock;
 use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
 use meniscus_engine::lanes::{Lanes, WIDTH};
-use meniscus_engine::parallel::larger;
+use meniscus_engine::parallel::{self, larger};
 use meniscus_engine::pipeline::{Fault, World};
 use meniscus_engine::store::Read;
 use meniscus_engine::wiring::Wiring;
@@ -64,6 +65,13 @@ impl TimeStep {
         let [r, density] = [self.radius, self.density].map(|field| world.store.read(field));
         with_largest(r.len(), |i| evening_rate(packed.area(i), r[i] + self.courant.origin, density[i]))
     }
+}
+
+/// In how many steps as long as the last one the fastest particle moves no farther than a distance in m; velocities in
+/// m/s, and bounds as in [`Clock::steps_within`].
+pub(crate) fn steps_to_move(clock: &Clock, [u, w]: [&[f64]; 2], distance: f64, bounds: [u64; 2]) -> u64 {
+    let fastest = parallel::maximum(u.len(), |i| u[i] * u[i] + w[i] * w[i]).sqrt();
+    clock.steps_within(distance / fastest, bounds)
 }
 
 /// The particle with the largest value.

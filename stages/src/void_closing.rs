@@ -14,9 +14,9 @@ use meniscus_engine::wiring::Wiring;
 use std::f64::consts::PI;
 
 /// Fewest and most steps between two looks: in a drop with 35 particles to the radius the fewest take .04 t_c.
-pub(crate) const STEPS: [u64; 2] = [80, 1280];
+const STEPS: [u64; 2] = [80, 1280];
 /// Part of the capillary time up to which it is twice the fewest, four times and so on.
-pub(crate) const LONGEST: f64 = 0.045;
+const LONGEST: f64 = 0.045;
 
 /// Void fraction that doesn't count, of either sign: that of packings that have settled is .001 with a deviation of .003.
 const TOLERANCE: f64 = 0.01;

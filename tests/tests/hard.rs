@@ -204,6 +204,26 @@ fn a_long_drop_shoots_past_the_sphere_and_comes_back() {
     survive_all("oscillating-drop/hard.toml", variants);
 }
 
+/// Rings become small where they move outward, and the smallest holds the step of all: steps were 2.0 and 1.9 times shorter
+/// than the first one in the mean before neighbours exchanged mass so often and down to so small a difference.
+#[test]
+fn small_rings_do_not_hold_the_steps_of_all() {
+    for (case, size) in
+        [("drop-collision-capillary/hard.toml", "75 nm"), ("oscillating-drop/hard.toml", "radial/18")]
+    {
+        let scene = hard(case, &[&format!("particle_size={size}")]);
+        let mut simulation = drops::start(&scene);
+        drops::advance(&mut simulation, 1);
+        let first_step = simulation.world.clock.previous_step_size;
+        while simulation.world.clock.time < scene.until {
+            drops::advance(&mut simulation, 100);
+        }
+        let clock = &simulation.world.clock;
+        let shorter = clock.step as f64 * first_step / clock.time;
+        assert!(shorter < 1.75, "{case}: steps are {shorter} times shorter than the first in the mean");
+    }
+}
+
 /// Small oscillations, with and without viscosity, from 12 particles to a radius to 200: so many for a few steps.
 #[test]
 fn drops_swing_in_coarse_and_fine_particles() {

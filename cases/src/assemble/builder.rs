@@ -101,8 +101,8 @@ impl Builder<'_> {
         let reasons =
             ("rings that leave the axis are small, and large where they come to it", "no reference");
         if self.plan("size-evening", self.with_reference(), reasons) {
-            let (rate, with) = (self.physics.capillary_rate, (self.is_two_step(), self.with_energy()));
-            let stage = SizeEvening::new(&mut self.wiring, self.packing, rate, with);
+            let (two_step, with_energy) = (self.is_two_step(), self.with_energy());
+            let stage = SizeEvening::new(&mut self.wiring, self.packing, two_step, with_energy);
             stages.push(AnyStage::whole(stage));
         }
         stages
