@@ -38,7 +38,7 @@ pub struct GhostCoupling {
     cleared: (u64, bool),
 }
 
-/// What forces deficit, and the tangent that parts it.
+/// The tension deficit, and the tangent that parts it.
 struct Balance {
     deficit: [Read<f64>; 2],
     tangent: [Read<f64>; 2],
