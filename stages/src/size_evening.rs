@@ -7,7 +7,7 @@ use crate::time_step::{INNERMOST, steps_to_move};
 use arrayvec::ArrayVec;
 use meniscus_engine::parallel;
 use meniscus_engine::pipeline::{Fault, Stage, World};
-use meniscus_engine::store::{Read, Update, bytes_of};
+use meniscus_engine::store::{Read, Update};
 use meniscus_engine::wiring::Wiring;
 
 /// Difference of two areas over their sum that remains, which a packing that has settled hardly exceeds. With .1 the
@@ -53,8 +53,6 @@ pub struct SizeEvening {
     velocity: [Read<f64>; 2],
     mass: Update<f64>,
     carried: ArrayVec<Update<f64>, CARRIED>,
-    uneven: Vec<u32>,
-    gains: Vec<Gain>,
 }
 
 /// What a particle gains, with its sign.
@@ -88,8 +86,6 @@ impl SizeEvening {
             position: [wiring.update(&fields::RADIUS), wiring.update(&fields::AXIAL)],
             mass: wiring.update(&fields::MASS),
             carried,
-            uneven: Vec::new(),
-            gains: Vec::new(),
         }
     }
 
@@ -100,18 +96,25 @@ impl SizeEvening {
         steps_to_move(&world.clock, [&u, &w], farthest, STEPS)
     }
 
-    /// Finds who has a neighbour of another size: few, and in a gentle flow nobody.
-    fn find_uneven(&mut self, world: &World) {
+    /// Who has a neighbour of another size: in a gentle flow nobody. (What is noted here of particles lies in the scratch
+    /// memory of a step: in a violent flow it is of most.)
+    fn find_uneven<'a>(&self, world: &'a World) -> &'a [u32] {
         let (packed, list) = (PackedState(&world.rows), &world.neighbours);
-        self.uneven.clear();
-        self.uneven.extend((0..world.store.len() as u32).filter(|&i| {
-            let own = packed.area(i as usize);
-            list.of(i as usize).any(|number| excess(own, packed.area(list.source(number))) != 0.0)
-        }));
+        let is_uneven = |i: &u32| {
+            let own = packed.area(*i as usize);
+            list.of(*i as usize).any(|number| excess(own, packed.area(list.source(number))) != 0.0)
+        };
+        let uneven = world.arena.alloc_slice_fill_copy(world.store.len(), 0);
+        let mut count = 0;
+        for i in (0..uneven.len() as u32).filter(is_uneven) {
+            uneven[count] = i;
+            count += 1;
+        }
+        &uneven[..count]
     }
 
-    /// Finds what they gain.
-    fn find_gains(&mut self, world: &World) {
+    /// What they gain.
+    fn find_gains<'a>(&self, world: &'a World, uneven: &[u32]) -> &'a [Gain] {
         let domain = &self.packing.domain;
         let packed = PackedState(&world.rows);
         let [r, z] = self.position.map(|field| world.store.write(field));
@@ -147,25 +150,24 @@ impl SizeEvening {
             }
             gain
         };
-        let uneven = &self.uneven[..];
-        self.gains.clear();
-        self.gains.resize(uneven.len(), Gain::default());
-        parallel::for_chunks_of(64, uneven.len(), &mut self.gains[..], |start, gains| {
+        let gains = world.arena.alloc_slice_fill_default(uneven.len());
+        parallel::for_chunks_of(64, uneven.len(), &mut gains[..], |start, gains: &mut [Gain]| {
             for (gain, &i) in gains.iter_mut().zip(&uneven[start..]) {
                 *gain = gain_of(i as usize);
             }
         });
+        gains
     }
 
     /// Gives out what was found; no less than how far, m, any of them moved and its reach grew.
-    fn exchange(&self, world: &World) -> f64 {
+    fn exchange(&self, world: &World, uneven: &[u32], gains: &[Gain]) -> f64 {
         let packed = PackedState(&world.rows);
         let [mut r, mut z] = self.position.map(|field| world.store.write(field));
         let mut mass = world.store.write(self.mass);
         let mut carried: ArrayVec<_, CARRIED> =
             self.carried.iter().map(|&field| world.store.write(field)).collect();
         let mut farthest = 0.0_f64;
-        for (&i, gain) in self.uneven.iter().zip(&self.gains) {
+        for (&i, gain) in uneven.iter().zip(gains) {
             let i = i as usize;
             let now = mass[i] + gain.mass;
             let [dr, dz] = gain.moment.map(|moment| moment / now);
@@ -204,21 +206,16 @@ impl Stage for SizeEvening {
         "size-evening"
     }
 
-    fn bytes(&self) -> usize {
-        bytes_of(&self.uneven) + bytes_of(&self.gains)
-    }
-
     fn run(&mut self, world: &mut World) -> Result<(), Fault> {
         let step = world.clock.step;
         if !step.is_multiple_of(STEPS[0]) || !step.is_multiple_of(self.interval(world)) {
             return Ok(());
         }
-        self.find_uneven(world);
-        if self.uneven.is_empty() {
+        let uneven = self.find_uneven(world);
+        if uneven.is_empty() {
             return Ok(());
         }
-        self.find_gains(world);
-        let farthest = self.exchange(world);
+        let farthest = self.exchange(world, uneven, self.find_gains(world, uneven));
         world.neighbours.note_motion(farthest);
         world.neighbours.still_holds = None;
         world.rows.are_current = false;
