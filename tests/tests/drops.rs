@@ -221,14 +221,20 @@ fn surfaces_of_fine_drops_move_with_the_flow() {
     }
 }
 
-/// The least and the largest distance of neighbours along the surface of a round drop, in particle sizes.
-fn distances_along_the_surface(simulation: &Simulation, size: f64) -> [f64; 2] {
-    let [r, z] = ["radius", "axial"].map(|name| drops::column(simulation, name));
+/// The least and the largest distance of neighbours along the surface of a round drop, in their own sizes, where the
+/// axis is farther than three of them.
+fn distances_along_the_surface(simulation: &Simulation) -> [f64; 2] {
+    let [r, z, mass, density] =
+        ["radius", "axial", "mass", "density"].map(|name| drops::column(simulation, name));
     let surface = simulation.world.store.by_name::<u32>("surface").unwrap();
-    let at_boundary = (0..r.len()).filter(|&i| surface[i] == BOUNDARY);
-    let mut row: Vec<(f64, f64)> = at_boundary.map(|i| (r[i], z[i])).collect();
-    row.sort_by(|a, b| a.0.atan2(a.1).total_cmp(&b.0.atan2(b.1)));
-    let distances = row.windows(2).map(|pair| (pair[1].0 - pair[0].0).hypot(pair[1].1 - pair[0].1) / size);
+    let size = |i: usize| (mass[i] / (2.0 * std::f64::consts::PI * r[i] * density[i])).sqrt();
+    let mut row: Vec<usize> =
+        (0..r.len()).filter(|&i| surface[i] == BOUNDARY && r[i] > 3.0 * size(i)).collect();
+    row.sort_by(|&a, &b| r[a].atan2(z[a]).total_cmp(&r[b].atan2(z[b])));
+    let distances = row.windows(2).map(|pair| {
+        let [a, b] = [pair[0], pair[1]];
+        (r[b] - r[a]).hypot(z[b] - z[a]) / (0.5 * (size(a) + size(b)))
+    });
     distances.fold([f64::INFINITY, 0.0], |[least, most], distance| [least.min(distance), most.max(distance)])
 }
 
@@ -242,16 +248,16 @@ fn the_boundarys_particles_give_way_to_a_crowd() {
     let surface = simulation.world.store.by_name::<u32>("surface").unwrap().to_vec();
     for i in (0..r.len()).filter(|&i| surface[i] == BOUNDARY) {
         let (distance, angle) = (r[i].hypot(z[i]), r[i].atan2(z[i]));
-        let turned = angle + 0.09 * (4.0 * angle).sin();
+        let turned = angle + 0.045 * (8.0 * angle).sin();
         (r[i], z[i]) = (distance * turned.sin(), distance * turned.cos());
     }
     simulation.world.store.set("radius", &r);
     simulation.world.store.set("axial", &z);
-    let size = 2.5e-6 / 12.0;
-    let before = distances_along_the_surface(&simulation, size);
-    drops::advance(&mut simulation, 16000);
-    let after = distances_along_the_surface(&simulation, size);
+    let before = distances_along_the_surface(&simulation);
+    drops::advance(&mut simulation, 32000);
+    let after = distances_along_the_surface(&simulation);
     println!("{before:?} become {after:?} sizes");
-    assert!(before[0] < 0.65 && before[1] > 1.35, "{before:?}");
-    assert!(after[0] > 0.7 && after[1] < 1.25, "{after:?}");
+    assert!(before[0] < 0.66 && before[1] > 1.36, "{before:?}");
+    // If nobody gave way it would be .72 and 1.27.
+    assert!(after[0] > 0.78 && after[1] < 1.23, "{after:?}");
 }
