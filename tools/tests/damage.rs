@@ -176,9 +176,11 @@ fn a_folder_that_cannot_be_written_is_named() {
     let place = Place::with_run();
     let before = place.checkpoints();
     let root = place.folder.path();
-    // Root may write anywhere: somebody else has to try, with a program that they can reach.
+    // Root may write anywhere: somebody else has to try, with a program that they can reach. Another process copies it: while
+    // this one held it open to write, a test beside that starts a program would hand it on, and nobody could run it.
     let program = root.join("meniscus");
-    fs::copy(env!("CARGO_BIN_EXE_meniscus"), &program).unwrap();
+    let copied = Command::new("cp").arg(env!("CARGO_BIN_EXE_meniscus")).arg(&program).status().unwrap();
+    assert!(copied.success());
     let allow = |path: &Path, mode| fs::set_permissions(path, fs::Permissions::from_mode(mode)).unwrap();
     let is_root = fs::metadata("/proc/self").is_ok_and(|own| std::os::unix::fs::MetadataExt::uid(&own) == 0);
     allow(root, 0o755);
