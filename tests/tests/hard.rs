@@ -204,8 +204,8 @@ fn a_long_drop_shoots_past_the_sphere_and_comes_back() {
     survive_all("oscillating-drop/hard.toml", variants);
 }
 
-/// Rings become small where they move outward, and the smallest holds the step of all: steps were 2.0 and 1.9 times shorter
-/// than the first one in the mean before neighbours exchanged mass so often and down to so small a difference.
+/// Rings become small where they move outward, and the smallest holds the step of all: those of the collision were 1.9 times
+/// shorter than the first one in the mean while neighbours exchanged mass down to .1 and every eighty steps.
 #[test]
 fn small_rings_do_not_hold_the_steps_of_all() {
     for (case, size) in
