@@ -147,6 +147,7 @@ mod tests {
                     "void-closing",
                     "reference-pressure",
                     "size-evening",
+                    "split-and-merge",
                 ],
                 "laplace_slope",
             ),

@@ -149,6 +149,11 @@ impl Simulation {
         self.pipeline.costs()
     }
 
+    /// The numbers of particles of all steps so far, added up.
+    pub fn particle_steps(&self) -> u64 {
+        self.pipeline.particle_steps()
+    }
+
     /// sqrt(rho L^3/sigma) with L of the scene's capillary velocity: L over it.
     pub fn capillary_time(scene: &Scene) -> f64 {
         let velocity = scene.capillary_velocity();

@@ -210,6 +210,7 @@ pub struct Pipeline {
     start: Vec<Work>,
     works: Vec<Work>,
     costs: Vec<Cost>,
+    particle_steps: u64,
 }
 
 impl Pipeline {
@@ -224,7 +225,7 @@ impl Pipeline {
             wiring.check_transients(&works.iter().map(Work::names).collect::<Vec<_>>())?;
         }
         let costs = works.iter().flat_map(Work::names).map(Cost::of).collect();
-        Ok(Pipeline { start, works, costs })
+        Ok(Pipeline { start, works, costs, particle_steps: 0 })
     }
 
     /// Bytes that the stages of a step keep for themselves.
@@ -239,6 +240,11 @@ impl Pipeline {
     /// The cost of every stage, in their order.
     pub fn costs(&self) -> &[Cost] {
         &self.costs
+    }
+
+    /// The numbers of particles of all steps so far, added up: stages may add particles and take some out.
+    pub fn particle_steps(&self) -> u64 {
+        self.particle_steps
     }
 
     /// Runs the start stages: once for a new run, not when a run is resumed. What they keep is given back.
@@ -280,6 +286,7 @@ impl Pipeline {
             world.store.poison_derived();
         }
         let _span = tracing::info_span!("step", number = world.clock.step).entered();
+        let particles = world.store.len() as u64;
         let mut costs = &mut self.costs[..];
         for work in &mut self.works {
             let count = match work {
@@ -292,6 +299,7 @@ impl Pipeline {
             costs = others;
         }
         world.clock.advance();
+        self.particle_steps += particles;
         Ok(())
     }
 }

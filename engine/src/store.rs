@@ -262,6 +262,33 @@ impl Store {
         self.swap_derived(&mut scratch);
     }
 
+    /// Adds as many particles, each a copy of the one named.
+    pub fn add_copies(&mut self, of: &[u32]) {
+        self.is_changed = true;
+        for (description, column) in &mut self.columns {
+            if description.role == Role::Transient && !self.keeps_transients {
+                continue;
+            }
+            match column.get_mut() {
+                Values::F64(values) => extend(values, of),
+                Values::U32(values) => extend(values, of),
+            }
+        }
+        self.len += of.len();
+    }
+
+    /// Takes particles out, named in ascending order; the others keep theirs.
+    pub fn remove(&mut self, particles: &[u32]) {
+        self.is_changed = true;
+        for (_, column) in &mut self.columns {
+            match column.get_mut() {
+                Values::F64(values) => take_out(values, particles),
+                Values::U32(values) => take_out(values, particles),
+            }
+        }
+        self.len -= particles.len();
+    }
+
     /// Fills every Derived column with a value that shows when it is read before it is written.
     pub fn poison_derived(&mut self) {
         self.is_changed = true;
@@ -275,6 +302,27 @@ impl Store {
         }
     }
 }
+
+fn extend<T: Copy>(values: &mut Vec<T>, of: &[u32]) {
+    if values.capacity() < values.len() + of.len() {
+        values.reserve_exact(of.len() + values.len() / ROOM);
+    }
+    for &from in of {
+        values.push(values[from as usize]);
+    }
+}
+
+fn take_out<T>(values: &mut Vec<T>, places: &[u32]) {
+    let (mut place, mut gone) = (0, places.iter().peekable());
+    values.retain(|_| {
+        let is_gone = gone.next_if_eq(&&place).is_some();
+        place += 1;
+        !is_gone
+    });
+}
+
+/// One particle in so many more have room at once when columns become longer.
+const ROOM: usize = 16;
 
 /// Bytes that the memory of some values takes.
 pub fn bytes_of<T>(values: &Vec<T>) -> usize {
@@ -294,4 +342,33 @@ fn gather(moved: &mut [f64], order: &[u32], value: impl Fn(usize) -> f64 + Sync)
             *moved = value(from as usize);
         }
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::field::Field;
+    use crate::wiring::Wiring;
+
+    static PLACE: Field<f64> = Field::state("place", "x", "m", "Where it is.");
+    static NUMBER: Field<u32> = Field::state("number", "i", "1", "Which it is.");
+    static FORCE: Field<f64> = Field::derived("force", "f", "N", "What pulls.");
+
+    #[test]
+    fn particles_are_added_and_taken_out_of_all_columns() {
+        let mut wiring = Wiring::new();
+        wiring.stage("move");
+        wiring.update(&PLACE);
+        wiring.update(&NUMBER);
+        wiring.write(&FORCE);
+        let mut store = wiring.allocate(4);
+        assert!(store.set("place", &[0.0, 1.0, 2.0, 3.0]) && store.set("number", &[10, 11, 12, 13]));
+        store.forget_changes();
+        store.add_copies(&[3, 1]);
+        assert!(store.is_changed());
+        store.remove(&[0, 2, 5]);
+        assert_eq!(store.len(), 3);
+        assert_eq!(*store.by_name::<f64>("place").unwrap(), [1.0, 3.0, 3.0]);
+        assert_eq!(*store.by_name::<u32>("number").unwrap(), [11, 13, 13]);
+        assert!(store.columns().all(|(_, values)| values.len() == 3));
+    }
 }

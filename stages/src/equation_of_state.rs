@@ -38,10 +38,16 @@ impl Packing {
         }
     }
 
-    /// D = sqrt(V), m, of a particle at r (m) with its density (kg/m3) and mass (kg).
+    /// V = m/(2 pi R rho), m2, of a particle at r (m) with its density (kg/m3) and mass (kg).
+    #[inline(always)]
+    pub fn area(&self, r: f64, density: f64, mass: f64) -> f64 {
+        mass / (2.0 * PI * (r + self.domain.origin) * density)
+    }
+
+    /// D = sqrt(V), m.
     #[inline(always)]
     pub fn size(&self, r: f64, density: f64, mass: f64) -> f64 {
-        (mass / (2.0 * PI * (r + self.domain.origin) * density)).sqrt()
+        self.area(r, density, mass).sqrt()
     }
 
     /// Half the support radius of a pair of equals of that size, 2 theta D, m.

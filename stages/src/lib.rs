@@ -30,6 +30,7 @@ pub mod shifting;
 pub mod size_evening;
 pub mod sort_bin;
 pub mod sound_speed;
+pub mod split_and_merge;
 pub mod surface;
 pub mod surface_corrections;
 pub mod surface_interval;

@@ -27,6 +27,7 @@ const STEPS: [u64; 2] = [20, 1280];
 const NEIGHBOURS: f64 = 4.0;
 
 /// What mass carries along besides its place: velocity, the acceleration of the step before, energy.
+pub(crate) type Carried = ArrayVec<Update<f64>, CARRIED>;
 const CARRIED: usize = 5;
 
 /// Of two neighbours with areas V = D^2 the larger gives the smaller one mass until x = (V_b - V_a)/(V_a + V_b) is no
@@ -52,7 +53,7 @@ pub struct SizeEvening {
     position: [Update<f64>; 2],
     velocity: [Read<f64>; 2],
     mass: Update<f64>,
-    carried: ArrayVec<Update<f64>, CARRIED>,
+    carried: Carried,
 }
 
 /// What a particle gains, with its sign.
@@ -71,29 +72,13 @@ impl SizeEvening {
     /// accelerations of the step before still count.
     pub fn new(wiring: &mut Wiring, packing: Packing, two_step: bool, with_energy: bool) -> Self {
         wiring.stage("size-evening");
-        let mut carried = ArrayVec::new();
-        carried.extend([&fields::VELOCITY_R, &fields::VELOCITY_Z].map(|field| wiring.update(field)));
-        if two_step {
-            let previous = [&fields::PREVIOUS_ACCELERATION_R, &fields::PREVIOUS_ACCELERATION_Z];
-            carried.extend(previous.map(|field| wiring.update(field)));
-        }
-        if with_energy {
-            carried.push(wiring.update(&fields::TOTAL_ENERGY));
-        }
         SizeEvening {
             packing,
             velocity: [wiring.read(&fields::VELOCITY_R), wiring.read(&fields::VELOCITY_Z)],
             position: [wiring.update(&fields::RADIUS), wiring.update(&fields::AXIAL)],
             mass: wiring.update(&fields::MASS),
-            carried,
+            carried: carried_by_mass(wiring, two_step, with_energy),
         }
-    }
-
-    /// Steps between two exchanges at the present pace.
-    fn interval(&self, world: &World) -> u64 {
-        let [u, w] = self.velocity.map(|field| world.store.read(field));
-        let farthest = FARTHEST * 0.5 * self.packing.largest_size;
-        steps_to_move(&world.clock, [&u, &w], farthest, STEPS)
     }
 
     /// Who has a neighbour of another size: in a gentle flow nobody. (What is noted here of particles lies in the scratch
@@ -190,6 +175,30 @@ impl SizeEvening {
     }
 }
 
+/// Whether the flow may have changed sizes since they were last looked at.
+pub(crate) fn is_due(world: &World, velocity: [Read<f64>; 2], packing: &Packing) -> bool {
+    let step = world.clock.step;
+    let interval = || {
+        let [u, w] = velocity.map(|field| world.store.read(field));
+        steps_to_move(&world.clock, [&u, &w], FARTHEST * 0.5 * packing.largest_size, STEPS)
+    };
+    step.is_multiple_of(STEPS[0]) && step.is_multiple_of(interval())
+}
+
+/// The columns of what mass carries along, those of the velocity first.
+pub(crate) fn carried_by_mass(wiring: &mut Wiring, two_step: bool, with_energy: bool) -> Carried {
+    let mut carried = Carried::new();
+    carried.extend([&fields::VELOCITY_R, &fields::VELOCITY_Z].map(|field| wiring.update(field)));
+    if two_step {
+        let previous = [&fields::PREVIOUS_ACCELERATION_R, &fields::PREVIOUS_ACCELERATION_Z];
+        carried.extend(previous.map(|field| wiring.update(field)));
+    }
+    if with_energy {
+        carried.push(wiring.update(&fields::TOTAL_ENERGY));
+    }
+    carried
+}
+
 /// By how much (V_b - V_a)/(V_a + V_b) is beyond the tolerance.
 #[inline]
 fn excess(area_a: f64, area_b: f64) -> f64 {
@@ -207,8 +216,7 @@ impl Stage for SizeEvening {
     }
 
     fn run(&mut self, world: &mut World) -> Result<(), Fault> {
-        let step = world.clock.step;
-        if !step.is_multiple_of(STEPS[0]) || !step.is_multiple_of(self.interval(world)) {
+        if !is_due(world, self.velocity, &self.packing) {
             return Ok(());
         }
         let uneven = self.find_uneven(world);

@@ -100,6 +100,17 @@ pub fn state_bits(simulation: &Simulation) -> Vec<(&'static str, Vec<u64>)> {
     columns.map(|(description, values)| (description.name, of(&values))).collect()
 }
 
+/// The particles in their order in memory.
+///
+/// # Panics
+/// If they have no identities, which all have.
+pub fn identities(simulation: &Simulation) -> Vec<u32> {
+    match simulation.world.store.by_name::<u32>("identity") {
+        Some(identities) => identities.to_vec(),
+        None => panic!("no identities"),
+    }
+}
+
 /// A column of real numbers, in memory order.
 ///
 /// # Panics

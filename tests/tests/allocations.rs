@@ -50,12 +50,6 @@ struct Found {
     sorts: u64,
 }
 
-/// The particles in their order in memory.
-fn identities(simulation: &Simulation) -> Vec<u32> {
-    let identities = simulation.world.store.by_name::<u32>("identity");
-    identities.expect("every particle has one").to_vec()
-}
-
 fn take_steps(scene: &Scene, warm_up: usize, steps: usize) -> Found {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("a pool");
     // From inside the pool: handing work to a pool from outside takes memory of its own.
@@ -66,11 +60,11 @@ fn take_steps(scene: &Scene, warm_up: usize, steps: usize) -> Found {
         assert!(builds > 1, "no list was built anew while the run got warm");
         let mut found = Found::default();
         for _ in 0..steps {
-            let order = identities(&simulation);
+            let order = drops::identities(&simulation);
             let before = REQUESTS.load(Ordering::Relaxed);
             drops::advance(&mut simulation, 1);
             found.asking += u64::from(REQUESTS.load(Ordering::Relaxed) > before);
-            found.sorts += u64::from(identities(&simulation) != order);
+            found.sorts += u64::from(drops::identities(&simulation) != order);
         }
         found.builds = simulation.world.neighbours.builds() - builds;
         found

@@ -224,6 +224,45 @@ fn small_rings_do_not_hold_the_steps_of_all() {
     }
 }
 
+/// A ring keeps its mass, so particles at the axis would become large, and far out small: without splitting and merging to .41 and 3.0,
+/// 1.0 and 16, .26 and 2.9 times the area at the start. Of all but a fiftieth to either side: lone particles have nobody to merge
+/// with, and what comes to the axis grows within a few steps.
+#[test]
+fn particles_stay_as_large_as_the_scene_says() {
+    let cases = [
+        ("rayleigh-plateau-jet/pinch-off.toml", "particle_size=radius/12"),
+        ("closing-torus/hard.toml", "particle_size=60 nm"),
+        ("drop-collision-capillary/hard.toml", "particle_size=60 nm"),
+    ];
+    for (case, setting) in cases {
+        let scene = hard(case, &[setting]);
+        let mut simulation = drops::start(&scene);
+        let start = totals(&simulation);
+        let areas = |simulation: &Simulation| {
+            let [m, r, density] = ["mass", "radius", "density"].map(|name| column(simulation, name));
+            let mut areas: Vec<f64> = (0..m.len()).map(|i| m[i] / (r[i] * density[i])).collect();
+            areas.sort_by(f64::total_cmp);
+            areas
+        };
+        let first = areas(&simulation);
+        let first = first[first.len() / 2];
+        let (mut smallest, mut largest) = (f64::INFINITY, 0.0_f64);
+        for look in 1..=100 {
+            while simulation.world.clock.time < 0.01 * f64::from(look) * scene.until {
+                drops::advance(&mut simulation, 1);
+            }
+            let areas = areas(&simulation);
+            let few = areas.len() / 50;
+            smallest = smallest.min(areas[few] / first);
+            largest = largest.max(areas[areas.len() - 1 - few] / first);
+        }
+        println!("{case}: areas from {smallest:.2} to {largest:.2}");
+        assert!(smallest > 0.45 && largest < 2.2, "{case}: areas from {smallest} to {largest}");
+        let end = totals(&simulation);
+        assert!((end.mass / start.mass - 1.0).abs() < 1e-13);
+    }
+}
+
 /// Small oscillations, with and without viscosity, from 12 particles to a radius to 200: so many for a few steps.
 #[test]
 fn drops_swing_in_coarse_and_fine_particles() {

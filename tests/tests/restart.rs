@@ -31,6 +31,23 @@ fn drops_that_exchange_mass() {
     resumed(&drops::scene(COLLISION, &[WHOLE]), 1200, 7);
 }
 
+/// Where the drops meet liquid is spread to a disc, where particles merge; when it comes back to the axis they are split.
+#[test]
+fn particles_that_split_and_merge() {
+    let scene = drops::scene(COLLISION, &[]);
+    let mut simulation = drops::start(&scene);
+    let (mut split, mut merged) = (0, 0);
+    for _ in 0..120 {
+        let before = drops::identities(&simulation);
+        drops::advance(&mut simulation, 20);
+        let after = drops::identities(&simulation);
+        split += after.iter().filter(|identity| !before.contains(identity)).count();
+        merged += before.iter().filter(|identity| !after.contains(identity)).count();
+    }
+    assert!(split > 5 && merged > 10, "{split} were split, {merged} merged");
+    resumed(&scene, 2400, 20);
+}
+
 /// The whole mass was summed anew with every list: not after an exchange of mass, but after a restart. Only rarely
 /// is the recoil large enough for forces to show such a change of the last bit.
 #[test]

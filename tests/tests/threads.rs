@@ -23,6 +23,7 @@ fn same_of(scene: &Scene, steps: usize) {
     for threads in [2, 8] {
         let many = bits(threads, scene, steps);
         for ((name, one), (_, many)) in one.iter().zip(&many) {
+            assert_eq!(one.len(), many.len(), "particles with {threads} threads");
             let different = one.iter().zip(many).filter(|(a, b)| a != b).count();
             assert_eq!(different, 0, "`{name}` differs for {threads} threads");
         }
@@ -49,4 +50,16 @@ fn mixed_precision() {
 fn a_free_spheroid() {
     const SPHEROID: &str = include_str!("../../cases/free-spheroid/scene.toml");
     same_of(&drops::scene(SPHEROID, &["particle_size=\"0.02 m\""]), 200);
+}
+
+/// Some of them merge where the drops spread.
+#[test]
+fn two_drops_that_collide() {
+    const COLLISION: &str = include_str!("../../cases/drop-collision-capillary/hard.toml");
+    let scene = drops::scene(COLLISION, &["particle_size=32 nm"]);
+    same_of(&scene, 800);
+    let mut simulation = drops::start(&scene);
+    let particles = simulation.world.store.len();
+    drops::advance(&mut simulation, 800);
+    assert!(simulation.world.store.len() < particles - 10, "hardly any merged");
 }

@@ -24,6 +24,7 @@ use meniscus_stages::reference_pressure;
 use meniscus_stages::shifting::{Shifting, Strength};
 use meniscus_stages::size_evening::SizeEvening;
 use meniscus_stages::sort_bin::{ListCheck, SortBin};
+use meniscus_stages::split_and_merge::SplitAndMerge;
 use meniscus_stages::surface_corrections::{StrainCorrection, TangentialPressure};
 use meniscus_stages::surface_interval::Tension;
 use meniscus_stages::tension_balance::TensionBalance;
@@ -103,6 +104,12 @@ impl Builder<'_> {
         if self.plan("size-evening", self.with_reference(), reasons) {
             let (two_step, with_energy) = (self.is_two_step(), self.with_energy());
             let stage = SizeEvening::new(&mut self.wiring, self.packing, two_step, with_energy);
+            stages.push(AnyStage::whole(stage));
+        }
+        let reasons = ("rings drawn in to the axis are too large, and drawn out too small", "no reference");
+        if self.plan("split-and-merge", self.with_reference(), reasons) {
+            let (two_step, with_energy) = (self.is_two_step(), self.with_energy());
+            let stage = SplitAndMerge::new(&mut self.wiring, self.packing, two_step, with_energy);
             stages.push(AnyStage::whole(stage));
         }
         stages

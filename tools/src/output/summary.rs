@@ -26,8 +26,11 @@ pub struct Summary {
     /// Why it failed, in a sentence.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub failure: Option<String>,
-    /// Number of particles.
+    /// Number of particles at the end: some may have been split, and others merged.
     pub particles: u64,
+    /// Number of particles when the process took its first step; zero where it is not known.
+    #[serde(default)]
+    pub first_particles: u64,
     /// Number of steps done.
     pub steps: u64,
     /// Simulated time in seconds.
@@ -183,6 +186,7 @@ pub(in crate::output) mod tests {
             status: Some(Status::Done),
             failure: None,
             particles: 36_000,
+            first_particles: 36_000,
             steps: 12_000,
             time: 1.25e-4,
             wall_seconds: 20.0,

@@ -56,6 +56,7 @@ struct Costs {
     filling: Stopwatch,
     steps: Stopwatch,
     first_step: u64,
+    first_particles: u64,
     profiler: Option<Arc<Profiler>>,
 }
 
@@ -236,6 +237,7 @@ impl Run {
             filling,
             steps: Stopwatch::default(),
             first_step: simulation.world.clock.step,
+            first_particles: simulation.world.store.len() as u64,
             profiler: self.profiler.clone(),
         };
         if let Some(profiler) = &self.profiler {

@@ -36,21 +36,21 @@ pub(super) fn report(
     plots::draw(scene, folder, history)?;
     let [momentum_z, energy, mass] = conservation(scene, history);
     let clock = &simulation.world.clock;
-    let particles = simulation.world.store.len() as u64;
     // Before the first step nothing has a cost for each.
-    let taken = Some(clock.step - costs.first_step).filter(|steps| *steps > 0);
-    let particle_steps = taken.map_or(f64::NAN, |steps| (particles * steps) as f64);
+    let taken = Some(simulation.particle_steps()).filter(|taken| *taken > 0);
+    let particle_steps = taken.map_or(f64::NAN, |taken| taken as f64);
     let Stopwatch { wall: wall_seconds, cpu: cpu_seconds } = costs.started.elapsed();
     let stages = stages(simulation, recorder, costs, (wall_seconds, particle_steps));
     let told = (simulation.costs(), stages.as_slice());
-    let extent = (particles, clock.step - costs.first_step);
     let profile = costs.profiler.as_ref();
-    let profile = profile.map(|profiler| profile::profile(profiler, &folder.profile(), told, extent));
+    let profile = profile
+        .map(|profiler| profile::profile(profiler, &folder.profile(), told, simulation.particle_steps()));
     let summary = Summary {
         scene: scene.title.clone(),
         status: Some(ending.status),
         failure: ending.failure,
-        particles,
+        particles: simulation.world.store.len() as u64,
+        first_particles: costs.first_particles,
         steps: clock.step,
         time: clock.time,
         wall_seconds,

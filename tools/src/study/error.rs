@@ -120,6 +120,7 @@ pub(crate) mod tests {
             status: Some(Status::Done),
             failure: None,
             particles: 100,
+            first_particles: 100,
             steps: 10,
             time: 1.0,
             wall_seconds: 1.0,

@@ -27,10 +27,15 @@ pub fn print_table(summary: &Summary, out: &mut impl Write) -> io::Result<()> {
     }
     writeln!(
         out,
-        "{} simulated, {}, {}, {}{}",
+        "{} simulated, {}, {}{}, {}{}",
         quantity(summary.time, "s", 4),
         counted(summary.steps, "step"),
         counted(summary.particles, "particle"),
+        match summary.first_particles {
+            0 => String::new(),
+            first if first == summary.particles => String::new(),
+            first => format!(" ({} at first)", grouped(first)),
+        },
         counted(summary.threads as u64, "thread"),
         if summary.mixed_precision { ", mixed precision" } else { "" },
     )?;

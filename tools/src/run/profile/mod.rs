@@ -21,11 +21,11 @@ pub(super) fn profile(
     profiler: &Profiler,
     trace: &Path,
     (costs, stages): (&[Cost], &[StageCost]),
-    (particles, steps): (u64, u64),
+    particle_steps: u64,
 ) -> OutputResult<Profile> {
     profiler.stop();
     trace::write(profiler, trace)?;
-    let particle_steps = (particles * steps).max(1) as f64;
+    let particle_steps = particle_steps.max(1) as f64;
     let busy = profiler.busy();
     let stages = stages.iter().map(|stage| StageProfile {
         cost: stage.clone(),
