@@ -1,7 +1,6 @@
 //! A step takes no memory from the system once the run is warm, and what a run holds is what a plan foretells.
 
 use meniscus_cases::scene::Scene;
-use meniscus_cases::simulation::Simulation;
 use meniscus_tests::drops;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
