@@ -299,7 +299,7 @@ impl Search<'_> {
     fn near(&self, a: usize, mut found: impl FnMut(&[u32; WIDTH], u32)) {
         let [r, z, reach] = self.points;
         let (r_a, z_a, reach_a) = (Lanes::splat(r[a]), Lanes::splat(z[a]), Lanes::splat(reach[a]));
-        self.bins.near(r[a], z[a], self.largest, |range| {
+        self.bins.near(r[a], z[a], reach[a] + 0.5 * self.largest, |range| {
             for start in range.clone().step_by(WIDTH) {
                 let [r, z, reach] = self.sorted;
                 let (dr, dz) = (Lanes::load(&r[start..]) - r_a, Lanes::load(&z[start..]) - z_a);

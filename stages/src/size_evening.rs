@@ -23,8 +23,9 @@ const FARTHEST: f64 = 0.5;
 /// Fewest and most steps that this may take. With ten at least violent flows take another 5 % longer steps, for twice the exchanges.
 const STEPS: [u64; 2] = [20, 1280];
 
-/// Sum of 1 - q over the neighbours of a particle in a settled packing: six at q = 1/2 and six at .87 (theta = .5).
-const NEIGHBOURS: f64 = 4.0;
+/// Sum of 1 - q over the neighbours of a particle in a settled packing, over theta^2: six at q = 1/2 and six at .87 with
+/// theta = .5. (With 4 for every theta a particle among fifty neighbours came to have a negative mass, theta = 1.)
+const NEIGHBOURS: f64 = 16.0;
 
 /// What mass carries along besides its place: velocity, the acceleration of the step before, energy.
 pub(crate) type Carried = ArrayVec<Update<f64>, CARRIED>;
@@ -33,7 +34,7 @@ const CARRIED: usize = 5;
 /// Of two neighbours with areas V = D^2 the larger gives the smaller one mass until x = (V_b - V_a)/(V_a + V_b) is no
 /// more than the tolerance:
 ///
-///   dm_ab = PART (1 - q)/4 2 m_a m_b/(m_a + m_b) (x - TOLERANCE sign x).
+///   dm_ab = PART (1 - q)/(16 theta^2) 2 m_a m_b/(m_a + m_b) (x - TOLERANCE sign x).
 ///
 /// What is given comes from half the way between both and has the mean of their velocities. So mass, momentum and the
 /// first moment of mass are kept, and a flow that is linear in the place; kinetic energy is to first order in dm, as
@@ -108,6 +109,7 @@ impl SizeEvening {
             self.carried.iter().map(|&field| world.store.write(field)).collect();
         let carried: ArrayVec<&[f64], CARRIED> = carried.iter().map(|column| &column[..]).collect();
         let (r, z, mass, list) = (&r[..], &z[..], &mass[..], &world.neighbours);
+        let part = PART / (NEIGHBOURS * self.packing.theta.powi(2));
         let gain_of = |a: usize| {
             let mut gain = Gain::default();
             for number in list.of(a) {
@@ -125,7 +127,7 @@ impl SizeEvening {
                 let support = self.packing.reach(packed.size(a)) + self.packing.reach(packed.size(b));
                 let inside = (1.0 - (dr * dr + dz * dz).sqrt() / support).max(0.0);
                 let both = 2.0 * mass[a] * mass[b] / (mass[a] + mass[b]);
-                let given = PART * inside / NEIGHBOURS * both * excess;
+                let given = part * inside * both * excess;
                 gain.mass += given;
                 gain.moment[0] += 0.5 * given * dr;
                 gain.moment[1] += 0.5 * given * dz;

@@ -17,17 +17,24 @@ const FIRST_SKIN: f64 = 0.1;
 /// The narrowest skin, below which a list is built too often to be worth it whatever the particles do.
 const NARROWEST_SKIN: f64 = 0.02;
 /// The widest skin.
-pub const WIDEST_SKIN: f64 = 0.3;
+pub const WIDEST_SKIN: f64 = 1.0;
 /// The cost of building the list over that of the pairs that a skin of one particle size adds to a step.
 const BUILD_COST: f64 = 2.0;
+/// Steps for which a list must hold for it to pay that lists of eight particles become even.
+const LASTING: f64 = 12.0;
+/// Parts of its own speed and of the mean one at which a particle may use up its half of the skin: flows change while a
+/// list holds.
+const OF_OWN: f64 = 1.25;
+const OF_MEAN: f64 = 0.25;
 
 /// The stage. The list is a pure function of the State (order, and the positions and reaches for which
 /// it was built), so that a resumed run finds the list that the interrupted one had.
 ///
-/// A reach includes half of the skin, the distance that a pair may close in before the list is built anew. With
-/// particles that move by m a step a skin of s lasts s/(2 m) steps; building costs 2 m/s of a build a step
-/// and walking the pairs in the skin costs in proportion to s: the sum is least for the square root that
-/// [`SortBin`] takes, from the motion since the last build.
+/// A reach includes half of the skin, the distance that a pair may close in before the list is built anew. Each particle
+/// has its own, in proportion to its speed v: of a jet some particles are twenty times as fast as the mean, and with one skin for all
+/// they would have the list built in every step. With a half T (1.25 v + .25 <v>) a list holds for a time T; building costs
+/// 2 dt/T of a build a step, and walking the pairs in the skin costs in proportion to T <v>: the sum is
+/// least for the square root that [`SortBin`] takes, from the motion since the last build.
 pub struct SortBin {
     packing: Packing,
     position: [Update<f64>; 2],
@@ -71,12 +78,12 @@ impl SortBin {
         built
     }
 
-    /// Builds the list, and orders particles within a window so that there is less of it to fill up.
-    fn build_even(&self, world: &mut World) {
+    /// Builds the list, and orders particles within a window so that there is less of it to fill up, if that pays.
+    fn build_even(&self, world: &mut World, pays: bool) {
         let domain = &self.packing.domain;
         let is_new = self.with_list(world, |list, points| {
             list.count(points, domain);
-            let is_new = list.find_even_order();
+            let is_new = pays && list.find_even_order();
             if !is_new {
                 list.fill(points);
             }
@@ -91,52 +98,81 @@ impl SortBin {
         }
     }
 
-    /// The skin that costs least if particles go on as since the last build, m.
-    fn best_skin(&self, world: &World) -> f64 {
+    /// What [`Skins`] cost least if particles at (r, z), m, go on as since the last list was built; each one's speed, m/s,
+    /// is noted in `speeds`.
+    fn best_skins(&self, world: &World, [r, z]: [&[f64]; 2], speeds: &mut [f64]) -> Skins {
         let size = 0.5 * self.packing.largest_size;
+        let [narrowest, first, widest] =
+            [NARROWEST_SKIN, FIRST_SKIN, WIDEST_SKIN].map(|skin| 0.5 * skin * size);
         let elapsed = world.clock.time - world.clock.mark("list");
         if elapsed <= 0.0 {
-            return FIRST_SKIN * size;
+            speeds.fill(0.0);
+            return Skins { steps: LASTING, lifetime: 0.0, mean: 0.0, narrowest: first, widest };
         }
-        let [r, z] = self.position.map(|field| world.store.write(field));
-        let [list_r, list_z, _] = self.listed.map(|field| world.store.write(field));
-        let moved = |i: usize| {
-            let (r, z) = (r[i] - list_r[i], z[i] - list_z[i]);
-            r * r + z * z
-        };
-        let moved = parallel::maximum(r.len(), moved).sqrt();
-        let a_step = moved * world.clock.previous_step_size / elapsed;
-        (2.0 * BUILD_COST * a_step * size).sqrt().clamp(NARROWEST_SKIN * size, WIDEST_SKIN * size)
+        let [list_r, list_z] = [self.listed[0], self.listed[1]].map(|field| world.store.write(field));
+        for (i, speed) in speeds.iter_mut().enumerate() {
+            let (dr, dz) = (r[i] - list_r[i], z[i] - list_z[i]);
+            *speed = (dr * dr + dz * dz).sqrt() / elapsed;
+        }
+        let mean = parallel::sum_of(speeds) / speeds.len() as f64;
+        let step_size = world.clock.previous_step_size;
+        let steps = (0.5 * BUILD_COST * size / ((OF_OWN + OF_MEAN) * mean * step_size)).sqrt();
+        Skins { steps, lifetime: steps * step_size, mean, narrowest, widest }
     }
 
     /// Wraps a periodic domain, sorts, and notes where the list is built.
     fn renew(&self, world: &mut World) {
-        let skin = self.best_skin(world);
         let mut memory = world.neighbours.take_entries();
-        let order = {
+        let (order, skins) = {
             let [r, mut z] = self.position.map(|field| world.store.write(field));
             if let Some((bottom, length)) = self.packing.domain.period {
                 for z in z.iter_mut() {
                     *z -= length * ((*z - bottom) / length).floor();
                 }
             }
-            let [mut list_r, mut list_z, mut list_reach] = self.listed.map(|field| world.store.write(field));
+            let mut list_reach = world.store.write(self.listed[2]);
+            let skins = self.best_skins(world, [&r, &z], &mut list_reach);
+            let [mut list_r, mut list_z] =
+                [self.listed[0], self.listed[1]].map(|field| world.store.write(field));
             let (density, mass) = (world.store.read(self.density), world.store.read(self.mass));
             list_r.copy_from_slice(&r);
             list_z.copy_from_slice(&z);
             for (i, reach) in list_reach.iter_mut().enumerate() {
-                *reach = self.packing.reach(self.packing.size(r[i], density[i], mass[i])) + 0.5 * skin;
+                let size = self.packing.size(r[i], density[i], mass[i]);
+                *reach = self.packing.reach(size) + skins.half_of(*reach);
             }
             let cell = parallel::maximum(r.len(), |i| list_reach[i]);
-            morton::order(&r, &z, cell, WINDOW, &mut memory)
+            (morton::order(&r, &z, cell, WINDOW, &mut memory), skins)
         };
         if let Some(order) = order {
             world.store.permute(order);
         }
         world.neighbours.return_entries(memory);
         world.clock.set_mark("list");
-        self.build_even(world);
-        world.neighbours.margin = 0.5 * skin;
+        self.build_even(world, skins.steps >= LASTING);
+        world.neighbours.margin = skins.half_of(0.0);
+    }
+}
+
+/// How wide skins are.
+#[derive(Clone, Copy, Debug)]
+struct Skins {
+    /// For how many steps the list should hold.
+    steps: f64,
+    /// How long that is, s.
+    lifetime: f64,
+    /// Mean speed, m/s.
+    mean: f64,
+    /// Bounds of half a skin, m.
+    narrowest: f64,
+    widest: f64,
+}
+
+impl Skins {
+    /// Half of the skin, m, of a particle with that speed, m/s.
+    fn half_of(&self, speed: f64) -> f64 {
+        let half = self.lifetime * (OF_OWN * speed + OF_MEAN * self.mean);
+        half.clamp(self.narrowest, self.widest)
     }
 }
 

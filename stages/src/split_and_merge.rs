@@ -22,6 +22,9 @@ pub const SMALLEST: f64 = 0.5;
 /// Distance of both from where the one was, in its sizes: there its halves have their middles.
 const APART: f64 = 0.25;
 
+/// No other may lie nearer to either place, in the same sizes.
+const NEAREST: f64 = 0.2;
+
 /// Least determinant of a moment matrix over its trace squared: with less all neighbours lie in one row.
 const DISTINCT: f64 = 0.01;
 
@@ -38,7 +41,7 @@ const DISTINCT: f64 = 0.01;
 ///
 ///   m_1,2 = m (1 +- l)/2,  x_1,2 = x +- (1 -+ l) e,  U_1,2 = U +- (1 -+ l) (grad U) e,
 ///
-/// grad U by least squares over the neighbours. Mass, its first moment, momentum and total energy are kept; kinetic energy
+/// but not while another particle lies within .2 D of either place. grad U by least squares over the neighbours. Mass, its first moment, momentum and total energy are kept; kinetic energy
 /// rises by m (1 - l^2) |(grad U) e|^2/2, what the flow moves about the middle.
 ///
 /// *Merging.* V < V_0/2 becomes one with its nearest neighbour if both together have less than V_0, and are both at the boundary or
@@ -117,8 +120,8 @@ impl SplitAndMerge {
         found
     }
 
-    /// How one becomes two.
-    fn split(&self, store: &Store, list: &NeighbourList, particle: u32) -> Split {
+    /// How one becomes two; not yet where somebody lies too near.
+    fn split(&self, store: &Store, list: &NeighbourList, particle: u32, splits: &[Split]) -> Option<Split> {
         let (i, domain) = (particle as usize, &self.packing.domain);
         let [r, z] = self.position.map(|field| store.write(field));
         let [u, w] = self.velocity.map(|field| store.read(field));
@@ -152,6 +155,22 @@ impl SplitAndMerge {
         };
         let at_axis = r[i] + domain.origin < size;
         let way = if at_axis { [0.0, 1.0] } else { [cosine, sine] }.map(|e| APART * size * e);
+        let is_free = list.of(i).all(|number| {
+            let b = list.source(number);
+            let (r_b, z_b) = list.place_of(number, domain, [&r, &z]);
+            let (dr, dz) = (r_b - r[i], z_b - z[i]);
+            let other =
+                splits.iter().find(|split| split.particle as usize == b).map_or([0.0; 2], |split| split.way);
+            let other = if list.is_mirrored(number) { [-other[0], other[1]] } else { other };
+            // The four, or two, places that both may have: as far apart as half of the two of one.
+            [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]].into_iter().all(|[own, its]| {
+                let [dr, dz] = [dr + its * other[0] - own * way[0], dz + its * other[1] - own * way[1]];
+                dr * dr + dz * dz > (NEAREST * size).powi(2)
+            })
+        });
+        if !is_free {
+            return None;
+        }
         let determinant = rr * zz - rz * rz;
         let rise = differences.map(|[r, z]| {
             if determinant > DISTINCT * (rr + zz).powi(2) {
@@ -160,7 +179,7 @@ impl SplitAndMerge {
                 0.0
             }
         });
-        Split { particle, way, rise }
+        Some(Split { particle, way, rise })
     }
 
     /// Pairs that become one.
@@ -261,14 +280,17 @@ impl Stage for SplitAndMerge {
         let arena = &*arena;
         let [large, small] = self.find(store, arena);
         let mergers = self.find_mergers((store, neighbours), &small, arena);
-        let splits = large.iter().map(|&particle| self.split(store, neighbours, particle));
-        let splits: Vec<Split> = splits.collect_in(arena);
+        let mut splits = Vec::new_in(arena);
+        for &particle in &large {
+            splits.extend(self.split(store, neighbours, particle, &splits));
+        }
+        let parents: Vec<u32> = splits.iter().map(|split| split.particle).collect_in(arena);
         if mergers.is_empty() && splits.is_empty() {
             return Ok(());
         }
         self.merge(store, &mergers);
         let first = store.len();
-        store.add_copies(&large);
+        store.add_copies(&parents);
         self.divide(store, &splits, first);
         let mut gone: Vec<u32> = mergers.iter().map(|merger| merger.gone).collect_in(arena);
         gone.sort_unstable();
