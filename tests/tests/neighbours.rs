@@ -38,6 +38,7 @@ impl Cloud {
         store.set("axial", &z);
         store.set("mass", &mass);
         store.set("density", &vec![DENSITY; r.len()]);
+        store.set("identity", &(0..300).collect::<Vec<u32>>());
         let mut world = World::new(store, Clock::default());
         world.clock.step = 1;
         Cloud { packing, world, sort }
@@ -49,6 +50,10 @@ impl Cloud {
 
     fn column(&self, name: &str) -> Vec<f64> {
         self.world.store.by_name::<f64>(name).expect("a column").to_vec()
+    }
+
+    fn identities(&self) -> Vec<u32> {
+        self.world.store.by_name::<u32>("identity").expect("a column").to_vec()
     }
 
     /// Half the support radius of every particle at the present positions and densities.
@@ -182,21 +187,35 @@ fn growing_supports_use_up_the_skin() {
 
 #[test]
 fn the_skin_follows_the_speed() {
-    // The skin of the list after a build, for particles that moved by so much a step since the build before.
-    let skin_after = |a_step: f64| {
+    // The skins of the list after a build, for particles that moved by so much a step since the build before, the first
+    // one so many times as far.
+    let skins_after = |a_step: f64, times: f64| {
         let mut cloud = Cloud::new(domains()[0], &mut Random::new(47));
         cloud.world.clock.step = 0;
         cloud.run();
-        let moved = 0.2 * SIZE;
-        let z: Vec<f64> = cloud.column("axial").iter().map(|z| z + moved).collect();
+        let moved = 0.1 * SIZE;
+        let mut z: Vec<f64> = cloud.column("axial").iter().map(|z| z + moved).collect();
+        let first = cloud.identities().iter().position(|&identity| identity == 0).expect("the first one");
+        z[first] += (times - 1.0) * moved;
         cloud.world.store.set("axial", &z);
         cloud.world.clock = Clock::at(10, moved / a_step * 1e-9, 1e-9);
         cloud.world.clock.restore_mark("list", 0.0);
         cloud.run();
         assert_eq!(cloud.missing(), 0);
-        2.0 * (cloud.column("list_reach")[0] - cloud.reach()[0])
+        let (listed, reach, identities) = (cloud.column("list_reach"), cloud.reach(), cloud.identities());
+        [0, 1].map(|wanted| {
+            let i = identities.iter().position(|&identity| identity == wanted).expect("both");
+            2.0 * (listed[i] - reach[i])
+        })
     };
+    let skin_after = |a_step: f64| skins_after(a_step, 1.0)[1];
     let (slow, fast) = (skin_after(1e-3 * SIZE), skin_after(4e-3 * SIZE));
     assert!((fast / slow - 2.0).abs() < 1e-6, "the square root of the speed: {slow} {fast}");
-    assert!(skin_after(SIZE) <= 0.3001 * SIZE && skin_after(1e-9 * SIZE) >= 0.0199 * SIZE);
+    assert!(skin_after(10.0 * SIZE) <= 1.0001 * SIZE && skin_after(1e-9 * SIZE) >= 0.0199 * SIZE);
+    // One that is five times as fast as the others has a skin of its own.
+    let [own, others] = skins_after(1e-3 * SIZE, 5.0);
+    let mean = (5.0 + 299.0) / 300.0;
+    let expected = (1.25 * 5.0 + 0.25 * mean) / (1.25 + 0.25 * mean);
+    assert!((own / others - expected).abs() < 1e-6, "{own} against {others}");
+    assert!((others / slow - 1.0).abs() < 0.01, "they hardly feel it: {others} against {slow}");
 }
