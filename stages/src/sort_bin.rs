@@ -32,8 +32,8 @@ const OF_MEAN: f64 = 0.25;
 ///
 /// A reach includes half of the skin, the distance that a pair may close in before the list is built anew. Each particle
 /// has its own, in proportion to its speed v: of a jet some particles are twenty times as fast as the mean, and with one skin for all
-/// they would have the list built in every step. With a half T (1.25 v + .25 <v>) a list holds for a time T; building costs
-/// 2 dt/T of a build a step, and walking the pairs in the skin costs in proportion to T <v>: the sum is
+/// they would have the list built in every step. With a half T (1.25 v + .25 v_mean) a list holds for a time T; building costs
+/// 2 dt/T of a build a step, and walking the pairs in the skin costs in proportion to T v_mean: the sum is
 /// least for the square root that [`SortBin`] takes, from the motion since the last build.
 pub struct SortBin {
     packing: Packing,
