@@ -298,3 +298,131 @@ impl Stage for SplitAndMerge {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use meniscus_engine::clock::Clock;
+    use meniscus_engine::domain::Domain;
+    use std::f64::consts::PI;
+
+    const SIZE: f64 = 1e-6;
+    const DENSITY: f64 = 1000.0;
+
+    /// A particle: r and z over the size, its area over that of the start.
+    type Placed = ([f64; 2], f64);
+
+    /// Nine by nine of them about (r, 0), all like at the start but the one in the middle.
+    fn lattice(r: f64, middle: f64) -> std::vec::Vec<Placed> {
+        let row = |i: i32| (-4..=4).map(move |j| [f64::from(i), f64::from(j)]);
+        let places = (-4..=4).flat_map(row).map(|[i, j]| [r + i, j]).filter(|[r, _]| *r > 0.0);
+        places.map(|[i, j]| ([i, j], if (i, j) == (r, 0.0) { middle } else { 1.0 })).collect()
+    }
+
+    /// What the stage makes of them in a flow that is linear in the place; m, kg, s.
+    fn run(particles: &[Placed]) -> World {
+        let packing = Packing { domain: Domain::default(), theta: 0.5, largest_size: 2.0 * SIZE };
+        let mut wiring = Wiring::new();
+        let mut stage = SplitAndMerge::new(&mut wiring, packing, false, false);
+        let mut store = wiring.allocate(particles.len());
+        let of = |value: &dyn Fn(&Placed) -> f64| particles.iter().map(value).collect::<std::vec::Vec<f64>>();
+        let [r, z] = [0, 1].map(|k| of(&|(place, _)| SIZE * place[k]));
+        let mass = of(&|(place, area)| 2.0 * PI * SIZE.powi(3) * DENSITY * place[0] * area);
+        let reach = of(&|(_, area)| packing.reach(SIZE * area.sqrt()));
+        let flow = |k: usize| of(&|(place, _)| linear(place.map(|x| SIZE * x))[k]);
+        let columns = [
+            ("radius", &r),
+            ("axial", &z),
+            ("mass", &mass),
+            ("density", &vec![DENSITY; r.len()]),
+            ("velocity_r", &flow(0)),
+            ("velocity_z", &flow(1)),
+        ];
+        assert!(columns.into_iter().all(|(name, values)| store.set(name, values)));
+        assert!(store.set("identity", &(0..r.len() as u32).collect::<std::vec::Vec<_>>()));
+        let mut world = World::new(store, Clock::default());
+        world.neighbours.build([&r, &z, &reach], &packing.domain);
+        stage.run(&mut world).expect("no fault");
+        world
+    }
+
+    fn linear([r, z]: [f64; 2]) -> [f64; 2] {
+        [-2e5 * r, 3e5 * z + 1e5 * r]
+    }
+
+    fn column(world: &World, name: &str) -> std::vec::Vec<f64> {
+        world.store.by_name::<f64>(name).expect("a column").to_vec()
+    }
+
+    /// Sums of m, m r, m z, m U_z and V R.
+    fn sums(world: &World) -> [f64; 5] {
+        let [m, r, z, w, density] =
+            ["mass", "radius", "axial", "velocity_z", "density"].map(|name| column(world, name));
+        let sum = |value: &dyn Fn(usize) -> f64| (0..m.len()).map(|i| m[i] * value(i)).sum::<f64>();
+        [sum(&|_| 1.0), sum(&|i| r[i]), sum(&|i| z[i]), sum(&|i| w[i]), sum(&|i| 1.0 / density[i])]
+    }
+
+    /// Whether those sums are what they were before the stage ran.
+    fn kept(particles: &[Placed], after: &World) -> bool {
+        let whole = |value: &dyn Fn([f64; 2]) -> f64| {
+            let mass = |(place, area): &Placed| 2.0 * PI * SIZE.powi(3) * DENSITY * place[0] * area;
+            particles.iter().map(|one| mass(one) * value(one.0.map(|x| SIZE * x))).sum::<f64>()
+        };
+        let expected = [
+            whole(&|_| 1.0),
+            whole(&|[r, _]| r),
+            whole(&|[_, z]| z),
+            whole(&|x| linear(x)[1]),
+            whole(&|_| 1.0 / DENSITY),
+        ];
+        let scales = [expected[0], expected[1], expected[1], expected[3], expected[4]];
+        let found = sums(after).into_iter().zip(expected).zip(scales);
+        found.into_iter().all(|((found, expected), scale)| (found - expected).abs() < 1e-13 * scale.abs())
+    }
+
+    #[test]
+    fn a_large_one_becomes_two_equal_ones_that_go_with_the_flow() {
+        let before = run(&lattice(20.0, 1.0));
+        assert_eq!(before.store.len(), 81, "all are as at the start");
+        let particles = lattice(20.0, 2.2);
+        let after = run(&particles);
+        assert_eq!(after.store.len(), 82);
+        let [m, r, z] = ["mass", "radius", "axial"].map(|name| column(&after, name));
+        let [u, w] = ["velocity_r", "velocity_z"].map(|name| column(&after, name));
+        let of_middle: std::vec::Vec<usize> =
+            (0..82).filter(|&i| (r[i] / SIZE - 20.0).hypot(z[i] / SIZE) < 0.9).collect();
+        assert_eq!(of_middle.len(), 2);
+        let areas = of_middle.iter().map(|&i| m[i] / (2.0 * PI * r[i] * DENSITY * SIZE * SIZE));
+        assert!(areas.into_iter().all(|area| (area - 1.1).abs() < 1e-3));
+        for i in of_middle {
+            let [expected_u, expected_w] = linear([r[i], z[i]]);
+            assert!((u[i] / expected_u - 1.0).abs() < 1e-9 && (w[i] / expected_w - 1.0).abs() < 1e-9);
+        }
+        assert!(kept(&particles, &after));
+    }
+
+    #[test]
+    fn two_small_neighbours_become_one() {
+        let mut particles = lattice(20.0, 1.0);
+        particles
+            .iter_mut()
+            .filter(|(place, _)| place[1] == 0.0 && place[0] < 19.0)
+            .for_each(|one| one.1 = 0.4);
+        assert_eq!(particles.iter().filter(|(_, area)| *area < 1.0).count(), 3);
+        let after = run(&particles);
+        assert_eq!(after.store.len(), 80, "one of three is left alone");
+        assert!(kept(&particles, &after));
+    }
+
+    #[test]
+    fn nobody_is_split_where_another_one_lies() {
+        // Near the axis both lie along it, a quarter of their size away.
+        let alone = run(&lattice(0.8, 2.2));
+        let size = 2.2_f64.sqrt();
+        let mut particles = lattice(0.8, 2.2);
+        let count = particles.len();
+        assert_eq!(alone.store.len(), count + 1);
+        particles.push(([0.85, APART * size], 0.8));
+        assert_eq!(run(&particles).store.len(), count + 1);
+    }
+}
