@@ -9,7 +9,7 @@ use std::marker::PhantomData;
 #[derive(Debug)]
 pub struct Store {
     len: usize,
-    /// Whether somebody has set columns who is no stage.
+    /// Whether somebody has set columns who is no stage, or a stage has added particles or taken some out.
     is_changed: bool,
     keeps_transients: bool,
     columns: Vec<(Description, AtomicRefCell<Values>)>,

@@ -114,7 +114,7 @@ impl SortBin {
             let (dr, dz) = (r[i] - list_r[i], z[i] - list_z[i]);
             *speed = (dr * dr + dz * dz).sqrt() / elapsed;
         }
-        let mean = parallel::sum_of(speeds) / speeds.len() as f64;
+        let mean = (parallel::sum_of(speeds) / speeds.len() as f64).max(f64::MIN_POSITIVE);
         let step_size = world.clock.previous_step_size;
         let steps = (0.5 * BUILD_COST * size / ((OF_OWN + OF_MEAN) * mean * step_size)).sqrt();
         Skins { steps, lifetime: steps * step_size, mean, narrowest, widest }
@@ -125,13 +125,14 @@ impl SortBin {
         let mut memory = world.neighbours.take_entries();
         let (order, skins) = {
             let [r, mut z] = self.position.map(|field| world.store.write(field));
+            let mut list_reach = world.store.write(self.listed[2]);
+            let skins = self.best_skins(world, [&r, &z], &mut list_reach);
+            // Not before: who crosses the period has not moved by it.
             if let Some((bottom, length)) = self.packing.domain.period {
                 for z in z.iter_mut() {
                     *z -= length * ((*z - bottom) / length).floor();
                 }
             }
-            let mut list_reach = world.store.write(self.listed[2]);
-            let skins = self.best_skins(world, [&r, &z], &mut list_reach);
             let [mut list_r, mut list_z] =
                 [self.listed[0], self.listed[1]].map(|field| world.store.write(field));
             let (density, mass) = (world.store.read(self.density), world.store.read(self.mass));
