@@ -113,7 +113,7 @@ fn warm_steps_take_no_memory() {
         ("fast", drop(&["amplitude=1.5"]), [800, 800], 4),
         // So large that columns of what only the surface has are sparse.
         ("large and fast", drop(&["resolution=80", "amplitude=1.5"]), [200, 600], 8),
-        ("collision", drops::scene(drops::COLLISION, &[]), [400, 400], 4),
+        ("collision", drops::scene(drops::COLLISION, &[]), [400, 1200], 4),
     ];
     for (name, scene, [warm_up, steps], growth) in cases {
         let found = take_steps(&scene, warm_up, steps);
