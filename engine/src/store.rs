@@ -136,7 +136,7 @@ impl Store {
         AtomicRef::filter_map(column.1.borrow(), |v| T::of(v).map(Vec::as_slice))
     }
 
-    /// Whether columns were set by somebody who is no stage since [`Store::forget_changes`]: what stages keep about
+    /// Whether a stage has added particles or taken some out, or columns were set by somebody who is no stage, since [`Store::forget_changes`]: what stages keep about
     /// them outside of the store doesn't hold then.
     pub fn is_changed(&self) -> bool {
         self.is_changed

@@ -14,10 +14,10 @@ use meniscus_engine::wiring::Wiring;
 use std::f64::consts::FRAC_PI_2;
 
 /// Area, over that at the start, above which a particle becomes two: each has about the area at the start then.
-pub const LARGEST: f64 = 2.0;
+const LARGEST: f64 = 2.0;
 /// Area below which a particle looks for one to merge with; no more than twice this both may have. With .25 fast collisions and
-/// long drops take 18 and 19 % more steps, for about the same energy won.
-pub const SMALLEST: f64 = 0.5;
+/// long drops take 18 and 19 % more steps, for about the same energy won (while particles at the surface merged, too).
+const SMALLEST: f64 = 0.5;
 
 /// Distance of both from where the one was, in its sizes: there its halves have their middles.
 const APART: f64 = 0.25;
