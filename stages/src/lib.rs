@@ -17,6 +17,7 @@ pub mod equation_of_state;
 pub mod fields;
 pub mod geometry;
 pub mod ghost_coupling;
+pub mod hoop_dissipation;
 pub mod incomplete_support;
 pub mod initial_pressure;
 pub mod integrate;

@@ -18,6 +18,8 @@ const LARGEST: f64 = 2.0;
 /// Area below which a particle looks for one to merge with; no more than twice this both may have. With .25 fast collisions and
 /// long drops take 18 and 19 % more steps, for about the same energy won (while particles at the surface merged, too).
 const SMALLEST: f64 = 0.5;
+/// Area below which it does so at the surface, too.
+const SPRAY: f64 = 0.125;
 
 /// Distance of both from where the one was, in its sizes: there its halves have their middles.
 const APART: f64 = 0.25;
@@ -45,7 +47,7 @@ const DISTINCT: f64 = 0.01;
 /// rises by m (1 - l^2) |(grad U) e|^2/2, what the flow moves about the middle, which heat gives where it is solved for.
 ///
 /// *Merging.* V < V_0/2 becomes one with the nearest neighbour of its drop with which it has less than V_0, if both lie inside, with no boundary
-/// in their support: a film of some particles' thickness keeps them. Mass, volume, first moment, momentum and total energy are kept. The smallest
+/// in their support: a film of some particles' thickness keeps them. Spray, V < V_0/8, merges wherever it is. Mass, volume, first moment, momentum and total energy are kept. The smallest
 /// particle holds everyone's step: where flow goes outward, as in a drop that is spread to a disc, particles would become ever smaller.
 pub struct SplitAndMerge {
     packing: Packing,
@@ -210,8 +212,8 @@ impl SplitAndMerge {
             let reach = |i: usize| self.packing.reach(self.packing.size(r[i], density[i], mass[i]));
             let fits = |b: usize| {
                 let is_near = square(b) < (reach(a) + reach(b)).powi(2) && drop[a] == drop[b];
-                let are_inside = surface[a] == INSIDE && surface[b] == INSIDE;
-                is_near && are_inside && area(a) + area(b) < 2.0 * SMALLEST
+                let may_merge = area(a) < SPRAY || (surface[a] == INSIDE && surface[b] == INSIDE);
+                is_near && may_merge && area(a) + area(b) < 2.0 * SMALLEST
             };
             // Images are no particles of their own.
             let others = list.of(a).filter(|&b| b < store.len() && !is_taken[b] && fits(b));
@@ -336,8 +338,13 @@ mod tests {
         places.map(|[i, j]| ([i, j], if (i, j) == (r, 0.0) { middle } else { 1.0 })).collect()
     }
 
-    /// What the stage makes of them in a flow that is linear in the place; m, kg, s.
+    /// What the stage makes of them inside the liquid in a flow that is linear in the place; m, kg, s.
     fn run(particles: &[Placed], wind: f64) -> World {
+        run_at(INSIDE, particles, wind)
+    }
+
+    /// The same where all have one place relative to the surface.
+    fn run_at(surface: u32, particles: &[Placed], wind: f64) -> World {
         let packing = Packing { domain: Domain::default(), theta: 0.5, largest_size: 2.0 * SIZE };
         let mut wiring = Wiring::new();
         let mut stage = SplitAndMerge::new(&mut wiring, packing, false, true);
@@ -360,6 +367,7 @@ mod tests {
         ];
         assert!(columns.into_iter().all(|(name, values)| store.set(name, values)));
         assert!(store.set("identity", &(0..r.len() as u32).collect::<std::vec::Vec<_>>()));
+        assert!(store.set("surface", &vec![surface; r.len()]));
         let mut world = World::new(store, Clock::default());
         world.neighbours.build([&r, &z, &reach], &packing.domain);
         stage.run(&mut world).expect("no fault");
@@ -443,6 +451,14 @@ mod tests {
             // Listed for a reach twice as wide as their support's, 1.26 sizes.
             let after = run(&[([20.0, 0.0], 0.4), ([20.0, apart], 0.4)], WIND);
             assert_eq!(after.store.len(), expected, "{apart}");
+        }
+    }
+
+    #[test]
+    fn at_the_surface_spray_alone_merges() {
+        for (area, expected) in [(0.4, 2), (0.1, 1)] {
+            let after = run_at(BOUNDARY, &[([20.0, 0.0], area), ([20.0, 0.5], area)], WIND);
+            assert_eq!(after.store.len(), expected, "{area}");
         }
     }
 

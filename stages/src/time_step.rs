@@ -20,6 +20,9 @@ const VANISHING: f64 = 1e-4;
 /// Distance from the axis, in particle sizes, of the innermost particles of a regular packing.
 pub(crate) const INNERMOST: f64 = 0.43;
 
+/// The part of a full support with which a particle's contacts bound the step as those of all others do.
+const ATTACHED: f64 = 0.125;
+
 /// Limits of the time step.
 #[derive(Clone, Copy, Debug)]
 pub struct Courant {
@@ -42,12 +45,21 @@ pub struct TimeStep {
     density: Read<f64>,
     mass: Read<f64>,
     sound_speed: SoundSpeed,
+    /// I - L, rr and zz, where somebody asks for it.
+    deficiency: Option<[Read<f64>; 2]>,
 }
 
 impl TimeStep {
-    /// States the acoustic bound. It must follow all that changes the strain rate or states a bound.
-    pub fn new(wiring: &mut Wiring, courant: Courant, constant_sound_speed: Option<f64>) -> Self {
+    /// States the acoustic bound. It must follow all that changes the strain rate or states a bound. With a surface it
+    /// knows who is alone.
+    pub fn new(
+        wiring: &mut Wiring,
+        courant: Courant,
+        constant_sound_speed: Option<f64>,
+        with_surface: bool,
+    ) -> Self {
         wiring.stage("time-step");
+        let deficiency = [&fields::SUPPORT_DEFICIENCY_RR, &fields::SUPPORT_DEFICIENCY_ZZ];
         TimeStep {
             courant,
             bad_state: BadState::new(wiring, "time-step", courant.origin),
@@ -55,6 +67,7 @@ impl TimeStep {
             strain_rate: wiring.read(&fields::STRAIN_RATE),
             density: wiring.read(&fields::DENSITY),
             mass: wiring.read(&fields::MASS),
+            deficiency: with_surface.then(|| deficiency.map(|field| wiring.read(field))),
             sound_speed: SoundSpeed::new(wiring, constant_sound_speed),
         }
     }
@@ -88,11 +101,17 @@ impl ChunkStage for TimeStep {
     /// .43 D times (R/(.43 D))^2: its own hoop terms, P/(rho R) and U_r/R, swing with C/R and grow by
     /// (C dt/R)^2/4 a step, which the pressure diffusion of the contacts must outweigh. (The innermost rings of
     /// a regular packing lie at .43 D.) Here the largest (CFL/dt)^2.
+    ///
+    /// A ring that nobody touches has its hoop terms alone: R/.43 takes the place of D. Spray becomes ever smaller on its way
+    /// outward, D^2 with 1/R, and would hold the steps of all. With the first ATTACHED of a full support D comes back.
     fn chunk(&self, _: &Around, chunk: &Chunk) -> Partial {
         let (strain_rate, sound_speed) = (chunk.read(self.strain_rate), self.sound_speed.of(chunk));
         let [r, density, mass] = [self.radius, self.density, self.mass].map(|field| chunk.read(field));
         let (origin, two_pi) = (Lanes::splat(self.courant.origin), Lanes::splat(2.0 * PI));
         let innermost = Lanes::splat(INNERMOST * INNERMOST);
+        let deficiency = self.deficiency.map(|fields| fields.map(|field| chunk.read(field)));
+        // Whoever has half the area of the start or more needs no closer look.
+        let at_rest = Lanes::splat(2.0 * (self.courant.speed / self.courant.particle_size).powi(2));
         let (mut largest, mut all) = (Lanes::ZERO, Lanes::ZERO);
         for first in (0..chunk.len()).step_by(WIDTH) {
             let eight = first..chunk.len().min(first + WIDTH);
@@ -110,7 +129,17 @@ impl ChunkStage for TimeStep {
             };
             let (strain, sound_speed) =
                 (Lanes::splat(4.0) * load(&strain_rate, 0.0), sound_speed.of(eight.clone()));
-            let rate = (sound_speed * sound_speed).mul_add(inverse_length, strain * strain);
+            let mut rate = (sound_speed * sound_speed).mul_add(inverse_length, strain * strain);
+            if let Some([rr, zz]) = &deficiency
+                && !(at_rest - rate).all_positive()
+            {
+                // tr L/2 of a full support, and (.43/R)^2, or what it is nearer to the axis.
+                let support = Lanes::ONE - Lanes::HALF * (load(rr, 0.0) + load(zz, 0.0));
+                let attached = (support * Lanes::splat(1.0 / ATTACHED)).max(Lanes::ZERO).min(Lanes::ONE);
+                let alone = inverse_length.min(inverse_length * innermost / distance);
+                let inverse_length = attached.mul_add(inverse_length - alone, alone);
+                rate = (sound_speed * sound_speed).mul_add(inverse_length, strain * strain);
+            }
             largest = largest.max(rate);
             all += rate;
         }

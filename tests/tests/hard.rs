@@ -192,6 +192,15 @@ fn small_drops_merge_at_speed() {
     }
 }
 
+/// Tips a few particles wide tear off at the speed of sound, and what flies away is spray. Rings at the axis swung by their hoop
+/// terms until they crossed it (`small/35`), and spray held everyone's step far from the axis (`small/34`).
+#[test]
+fn finely_resolved_drops_merge_at_speed() {
+    for size in ["particle_size=small/34", "particle_size=small/35"] {
+        survive("drop-collision-capillary/hard.toml", &[size]);
+    }
+}
+
 #[test]
 fn a_long_drop_shoots_past_the_sphere_and_comes_back() {
     let variants: &[&[&str]] = &[

@@ -1,7 +1,7 @@
 //! The stages of a step: one line a stage, with the reason why it is in or left out.
 
 use super::{Equation, Physics, PlanLine};
-use crate::scene::{AxisTreatment, Curvature, Scheme, TimeIntegration};
+use crate::scene::{Curvature, TimeIntegration};
 use meniscus_engine::pipeline::AnyStage;
 use meniscus_engine::wiring::Wiring;
 use meniscus_stages::axis_contact::AxisContact;
@@ -15,6 +15,7 @@ use meniscus_stages::curvature_normals::CurvatureNormals;
 use meniscus_stages::drops::Drops;
 use meniscus_stages::equation_of_state::{Packing, State};
 use meniscus_stages::ghost_coupling::GhostCoupling;
+use meniscus_stages::hoop_dissipation::HoopDissipation;
 use meniscus_stages::incomplete_support::IncompleteSupport;
 use meniscus_stages::initial_pressure::InitialPressure;
 use meniscus_stages::integrate::{self, Integrate};
@@ -181,14 +182,16 @@ impl Builder<'_> {
                 with_energy,
             )));
         }
-        let method = &self.physics.method;
-        let without_images =
-            (method.scheme, method.axis) == (Scheme::HarmonicMean, AxisTreatment::Conservative);
-        let at_axis = origin == 0.0 && without_images && self.with_shocks();
         let reasons = ("shocks may form on the axis", "no shocks, no axis, or images there");
-        if self.plan("axis-contact", at_axis, reasons) {
+        if self.plan("axis-contact", self.without_images() && self.with_shocks(), reasons) {
             let (packing, slope) = (self.packing, self.physics.equation.shock_slope());
             stages.push(AnyStage::chunks(AxisContact::new(&mut self.wiring, packing, slope)));
+        }
+        let reasons =
+            ("rings near the axis swing by their hoop terms", "no reconstruction, no axis, or images there");
+        if self.plan("hoop-dissipation", self.with_hoop_dissipation(), reasons) {
+            let (packing, sound_speed) = (self.packing, self.constant_sound_speed());
+            stages.push(AnyStage::chunks(HoopDissipation::new(&mut self.wiring, packing, sound_speed)));
         }
         let reasons = ("flows draw particles out into rows", "its coefficient is zero");
         if self.plan("shifting", self.shifting() > 0.0, reasons) {
@@ -332,8 +335,8 @@ impl Builder<'_> {
             particle_size: self.physics.particle_size,
             origin: self.physics.domain.origin,
         };
-        let sound_speed = self.constant_sound_speed();
-        AnyStage::chunks(TimeStep::new(&mut self.wiring, courant, sound_speed))
+        let (sound_speed, with_surface) = (self.constant_sound_speed(), self.with_surface());
+        AnyStage::chunks(TimeStep::new(&mut self.wiring, courant, sound_speed, with_surface))
     }
 
     fn integrate(&mut self) -> AnyStage {

@@ -2,8 +2,8 @@
 
 use super::builder::Builder;
 use crate::scene::{
-    Curvature, FREE_SHIFTING, FREE_SHIFTING_THETA, Flux, Recoil, ReferencePressure, SHIFTING,
-    SHIFTING_INTERVAL, TimeIntegration,
+    AxisTreatment, Curvature, FREE_SHIFTING, FREE_SHIFTING_THETA, Flux, Recoil, ReferencePressure, SHIFTING,
+    SHIFTING_INTERVAL, Scheme, TimeIntegration,
 };
 use meniscus_stages::equation_of_state::Besides;
 
@@ -71,9 +71,22 @@ impl Builder<'_> {
     }
 
     /// Whether the dissipative force is summed apart: two-step schemes treat it in another way, and the forces of
-    /// viscosity and of shocks on the axis join it.
+    /// viscosity and of contacts across the axis join it.
     pub(super) fn with_dissipation(&self) -> bool {
-        self.is_two_step() || self.with_viscosity() || self.with_shocks()
+        let joined = self.with_viscosity() || self.with_shocks() || self.with_hoop_dissipation();
+        self.is_two_step() || joined
+    }
+
+    /// Whether coordinates begin at the axis and pairs know of no images beyond it.
+    pub(super) fn without_images(&self) -> bool {
+        let method = &self.physics.method;
+        let conservative =
+            (method.scheme, method.axis) == (Scheme::HarmonicMean, AxisTreatment::Conservative);
+        self.physics.domain.origin == 0.0 && conservative
+    }
+
+    pub(super) fn with_hoop_dissipation(&self) -> bool {
+        self.without_images() && self.reconstructs()
     }
 
     pub(super) fn is_two_step(&self) -> bool {

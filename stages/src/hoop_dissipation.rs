@@ -1,0 +1,75 @@
+//! What rings near the axis lose of a radial motion that is not smooth across it.
+
+use crate::equation_of_state::Packing;
+use crate::fields;
+use crate::rows::PackedState;
+use crate::sound_speed::SoundSpeed;
+use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
+use meniscus_engine::lanes::{Lanes, WIDTH};
+use meniscus_engine::store::{Add, Read};
+use meniscus_engine::wiring::Wiring;
+
+/// rho dU_r/dt += -rho C (U_r - R dU_r/dr) (1 - R/h)^2/R for R < h.
+///
+/// A ring's own hoop terms, P/(rho R) and U_r/R, swing with C/R, and no contact damps that: the weight of a ring's own
+/// image across the axis is zero. So the hoop pressure becomes that of the contact with the image, as P* is for pairs.
+/// In the acoustic Riemann problem (equation (20)) of two equal states that part with the jump J it is P - rho C J/2. Velocities that
+/// are reconstructed from both sides leave J = 2 (U_r - R dU_r/dr): a flow that is linear in R feels nothing. The last factor lets
+/// go of an image that leaves the support: both lie 2 R apart, and see each other up to 2 h.
+///
+/// The force is radial and works on nothing but the particle itself, whose total energy it leaves: what is lost in motion
+/// becomes heat. Axial momentum is not touched.
+pub struct HoopDissipation {
+    packing: Packing,
+    radius: Read<f64>,
+    velocity: Read<f64>,
+    density: Read<f64>,
+    deformation: Read<f64>,
+    sound_speed: SoundSpeed,
+    dissipation: Add<f64>,
+}
+
+impl HoopDissipation {
+    /// For scenes with an axis, whose coordinates begin there. It must follow the velocity gradient.
+    pub fn new(wiring: &mut Wiring, packing: Packing, constant_sound_speed: Option<f64>) -> Self {
+        wiring.stage("hoop-dissipation");
+        HoopDissipation {
+            packing,
+            radius: wiring.read(&fields::RADIUS),
+            velocity: wiring.read(&fields::VELOCITY_R),
+            density: wiring.read(&fields::DENSITY),
+            deformation: wiring.read(&fields::DEFORMATION_RR),
+            sound_speed: SoundSpeed::new(wiring, constant_sound_speed),
+            dissipation: wiring.add(&fields::DISSIPATION_R),
+        }
+    }
+}
+
+impl ChunkStage for HoopDissipation {
+    fn name(&self) -> &'static str {
+        "hoop-dissipation"
+    }
+
+    fn chunk(&self, around: &Around, chunk: &Chunk) -> Partial {
+        let [radius, velocity, density, deformation] =
+            [self.radius, self.velocity, self.density, self.deformation].map(|field| chunk.read(field));
+        let sound_speed = self.sound_speed.of(chunk);
+        let packed = PackedState(around.rows);
+        let mut dissipation = chunk.write(self.dissipation);
+        let farthest = Lanes::splat(self.packing.reach(self.packing.largest_size));
+        for first in (0..chunk.len()).step_by(WIDTH) {
+            let eight = first..chunk.len().min(first + WIDTH);
+            if (Lanes::load_or(&radius[eight.clone()], f64::MAX) - farthest).all_positive() {
+                continue;
+            }
+            for i in eight {
+                let inside = 1.0 - radius[i] / self.packing.reach(packed.size(chunk.start + i));
+                if inside > 0.0 {
+                    let rough = velocity[i] / radius[i] - deformation[i];
+                    dissipation[i] -= density[i] * sound_speed.at(i) * rough * inside * inside;
+                }
+            }
+        }
+        [0.0; 2]
+    }
+}

@@ -1,0 +1,60 @@
+//! Spray: particles that nobody touches, on their way outward and into the axis.
+
+use meniscus_tests::liquid::{self, Block, DENSITY, Random, SIZE};
+use meniscus_tests::reference::Particle;
+use std::f64::consts::PI;
+
+/// A particle at rest with a tenth of the block's size, which lies at the given place, in those sizes.
+fn small([r, z]: [f64; 2]) -> Particle {
+    let radius = r * SIZE;
+    Particle {
+        position: [radius, z * SIZE],
+        density: DENSITY,
+        mass: DENSITY * 2.0 * PI * radius * 0.01 * SIZE * SIZE,
+        kernel_scale: 1.0,
+        ..Particle::default()
+    }
+}
+
+/// The first step of a block with some more, s.
+fn step_size(more: &[Particle]) -> f64 {
+    let mut particles = liquid::block([10, 12], 0.5, 0.2, &mut Random::new(47));
+    particles.extend(more);
+    let mut block = Block::new(&liquid::physics(liquid::bare_method()), &particles);
+    block.step();
+    block.world.clock.previous_step_size
+}
+
+/// Spray becomes small on its way outward. What touches nobody has no sound to carry on.
+#[test]
+fn spray_holds_nobody() {
+    let alone = step_size(&[]);
+    let [far, far_neighbour] = [[100.0, 6.0], [100.0, 6.1]].map(small);
+    assert_eq!(step_size(&[far]), alone);
+    // Two that touch do, and so does one in the liquid: the test can fail.
+    assert!(step_size(&[far, far_neighbour]) < 0.2 * alone);
+    assert!(step_size(&[small([4.5, 6.0])]) < 0.2 * alone);
+}
+
+/// At the axis a lone ring has its hoop terms still.
+#[test]
+fn a_lone_ring_at_the_axis_bounds_the_step() {
+    let alone = step_size(&[]);
+    assert!(step_size(&[small([0.04, 40.0])]) < 0.2 * alone);
+}
+
+/// Nobody comes nearer to it than a tenth of a size: the hoop terms of a fiftieth would leave no step to anybody.
+#[test]
+fn a_ring_that_runs_into_the_axis_stops_before_it() {
+    let mut ring = small([0.02, 40.0]);
+    ring.mass *= 100.0;
+    ring.velocity = [-1.0, 0.0];
+    let mut block = Block::new(&liquid::physics(liquid::bare_method()), &[ring]);
+    for _ in 0..10 {
+        block.step();
+        let [r, mass, density] = ["radius", "mass", "density"].map(|name| block.column(name)[0]);
+        let distance = r / (mass / (2.0 * PI * r * density)).sqrt();
+        // Within one step its density may change.
+        assert!(distance > 0.09, "{distance} sizes from the axis");
+    }
+}
