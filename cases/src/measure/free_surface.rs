@@ -19,6 +19,9 @@ const ACROSS: f64 = 0.2;
 /// lay on the same, a piece of the surface was counted twice, some per cent of a small drop's. (With a tenth some still were:
 /// .9 % of the area for two outputs of a splash.)
 const MERGED: f64 = 0.3;
+/// How many times farther away the next point may lie than that one's own next points do: else it is no end of a gap, and
+/// the other point lies beside the surface. (One between the sides of a crease was two per cent of a splash's area, for one output.)
+const LONELY: f64 = 2.0;
 /// Slope towards the axis from which on a surface that ends does not go on across it.
 const STEEP: f64 = 2.0;
 
@@ -31,8 +34,7 @@ pub(super) fn area(store: &Store, physics: &Physics) -> Option<f64> {
     let (size, origin) = (physics.particle_size, physics.domain.origin);
     let (r, z) = feet(store)?;
     let spots = merged(&r, &z, &sizes(store, origin)?, MERGED * size);
-    let points = Points::new(spots, REACH * size, &physics.domain);
-    Some((0..points.sizes.len()).map(|point| points.share(point, origin)).sum())
+    Some(Points::new(spots, REACH * size, &physics.domain).area(origin))
 }
 
 /// Sizes of the boundary particles, m: those of rings that were drawn in to the axis are several times the others'.
@@ -91,6 +93,8 @@ struct Points {
     z: Vec<f64>,
     /// Sizes of the points' particles, m.
     sizes: Vec<f64>,
+    /// Whose images the others are.
+    sources: Vec<u32>,
     reach: f64,
     bins: Bins,
 }
@@ -99,6 +103,7 @@ impl Points {
     fn new([mut r, mut z, sizes]: Spots, reach: f64, domain: &Domain) -> Self {
         let (mut images, mut bins) = (Vec::new(), Bins::default());
         domain.images(&r, &z, reach, &mut images);
+        let sources: Vec<u32> = images.iter().map(|image| image.source).collect();
         for image in &images {
             let source = image.source as usize;
             let (image_r, image_z) = domain.place(image, r[source], z[source]);
@@ -106,18 +111,18 @@ impl Points {
             z.push(image_z);
         }
         bins.build(&r, &z, 0.5 * CLOSE * reach);
-        Points { r, z, sizes, reach, bins }
+        Points { r, z, sizes, sources, reach, bins }
     }
 
-    /// Calls `visit` with the ways to the points within `reach` m of one, and their lengths.
-    fn near(&self, point: usize, reach: f64, mut visit: impl FnMut([f64; 2], f64)) {
+    /// Calls `visit` with the points within `reach` m of one, the ways to them, and their lengths.
+    fn near(&self, point: usize, reach: f64, mut visit: impl FnMut(usize, [f64; 2], f64)) {
         let (r, z) = (self.r[point], self.z[point]);
         self.bins.near(r, z, reach, |range| {
             for &other in &self.bins.members()[range] {
                 let way = [self.r[other as usize] - r, self.z[other as usize] - z];
                 let distance = length(way);
                 if distance < reach && other as usize != point {
-                    visit(way, distance);
+                    visit(other as usize, way, distance);
                 }
             }
         });
@@ -128,7 +133,7 @@ impl Points {
     fn tangent(&self, point: usize) -> [f64; 2] {
         let (mut difference, mut product) = (0.0, 0.0);
         let close = CLOSE * self.reach;
-        self.near(point, close, |[dr, dz], distance| {
+        self.near(point, close, |_, [dr, dz], distance| {
             // The next points count most: at a narrow rim those farther away lie on its other side.
             let weight = (1.0 - distance / close).powi(6);
             difference += weight * (dr * dr - dz * dz);
@@ -138,34 +143,65 @@ impl Points {
         [cosine, sine]
     }
 
-    /// Area in m2 of what belongs to one point, with the axis at r = -origin.
-    fn share(&self, point: usize, origin: f64) -> f64 {
-        let tangent = self.tangent(point);
-        // The nearest point on either side: its distance, and how much farther from the axis it lies.
-        let mut nearest: [Option<(f64, f64)>; 2] = [None; 2];
-        self.near(point, self.reach, |[dr, dz], distance| {
+    /// The nearest point on either side, towards the tangent the second.
+    fn next(&self, point: usize, tangent: [f64; 2]) -> [Option<Next>; 2] {
+        let mut next: [Option<Next>; 2] = [None; 2];
+        self.near(point, self.reach, |other, [dr, dz], distance| {
             let along = dr * tangent[0] + dz * tangent[1];
             let across = dr * tangent[1] - dz * tangent[0];
-            let side = &mut nearest[usize::from(along > 0.0)];
+            let side = &mut next[usize::from(along > 0.0)];
             // What lies steeply above or below belongs to another part of the surface.
             if across.abs() <= along.abs() + ACROSS * self.sizes[point]
-                && side.is_none_or(|(least, _)| distance < least)
+                && side.is_none_or(|nearest| distance < nearest.distance)
             {
-                *side = Some((distance, dr));
+                let count = self.sizes.len();
+                let source = if other < count { other } else { self.sources[other - count] as usize };
+                *side = Some(Next { source, distance, rise: dr });
             }
         });
-        let radius = self.r[point] + origin;
-        // Rings that were drawn in to the axis are several times as large as the others, and leave gaps in proportion: across
-        // the axis lies the point's own image.
-        let inward = &mut nearest[usize::from(tangent[0] < 0.0)];
-        let is_steep = tangent[1].abs() > STEEP * tangent[0].abs();
-        if inward.is_none() && !is_steep && 2.0 * radius < REACH * self.sizes[point] {
-            *inward = Some((2.0 * radius, -2.0 * radius));
-        }
-        // Half the way is a slice of a cone; its mean radius is that at a quarter of the way.
-        let slice = |(distance, dr): (f64, f64)| PI * distance * (radius + 0.25 * dr);
-        nearest.into_iter().flatten().map(slice).sum()
+        next
     }
+
+    /// Area in m2 with the axis at r = -origin.
+    fn area(&self, origin: f64) -> f64 {
+        let tangents: Vec<[f64; 2]> = (0..self.sizes.len()).map(|point| self.tangent(point)).collect();
+        let next: Vec<[Option<Next>; 2]> =
+            tangents.iter().enumerate().map(|(point, &tangent)| self.next(point, tangent)).collect();
+        let widest = |point: usize| {
+            next[point]
+                .iter()
+                .map(|side| side.map_or(f64::INFINITY, |next| next.distance))
+                .fold(0.0, f64::max)
+        };
+        let share = |(point, tangent): (usize, &[f64; 2])| {
+            let radius = self.r[point] + origin;
+            let is_end = |side: &Next| side.distance <= LONELY * widest(side.source);
+            let mut slices =
+                next[point].map(|side| side.filter(is_end).map(|next| (next.distance, next.rise)));
+            // Rings that were drawn in to the axis are several times as large as the others, and leave gaps in proportion:
+            // across the axis lies the point's own image.
+            let inward = usize::from(tangent[0] < 0.0);
+            let is_steep = tangent[1].abs() > STEEP * tangent[0].abs();
+            if next[point][inward].is_none() && !is_steep && 2.0 * radius < REACH * self.sizes[point] {
+                slices[inward] = Some((2.0 * radius, -2.0 * radius));
+            }
+            // Half the way is a slice of a cone; its mean radius is that at a quarter of the way.
+            let slice = |(distance, rise): (f64, f64)| PI * distance * (radius + 0.25 * rise);
+            slices.into_iter().flatten().map(slice).sum::<f64>()
+        };
+        tangents.iter().enumerate().map(share).sum()
+    }
+}
+
+/// The next point of the surface, seen from one.
+#[derive(Clone, Copy)]
+struct Next {
+    /// Which one it is, or whose image.
+    source: usize,
+    /// m.
+    distance: f64,
+    /// How much farther from the axis it lies, m.
+    rise: f64,
 }
 
 #[cfg(test)]
@@ -236,7 +272,7 @@ mod tests {
         let [r, z, sizes] = columns;
         let spots = merged(&r, &z, &sizes, distance);
         let points = Points::new(spots, REACH * SPACING, &Domain::default());
-        (0..points.sizes.len()).map(|point| points.share(point, 0.0)).sum::<f64>() / (4.0 * PI)
+        points.area(0.0) / (4.0 * PI)
     }
 
     const SPACING: f64 = PI / 60.0;
@@ -264,6 +300,15 @@ mod tests {
         let others = others.map(|[angle, _, size]| [angle + 0.34 * SPACING, 1.0 + 0.35 * SPACING, size]);
         let area = of_sphere(circle().chain(others), MERGED * SPACING);
         assert!((area - 1.0).abs() < 0.05, "{area}");
+    }
+
+    /// A lone particle between the sides of a crease sees the surface on either side, which is whole without it.
+    #[test]
+    fn who_lies_beside_a_whole_surface_is_no_part_of_it() {
+        let lone = [[1.0, 1.0 - 4.5 * SPACING, SPACING]];
+        let [alone, both] = [&lone[..0], &lone[..]]
+            .map(|more| of_sphere(circle().chain(more.iter().copied()), MERGED * SPACING));
+        assert_eq!(alone, both);
     }
 
     /// Around a hole in the liquid there are boundary particles that find no surface.
