@@ -9,15 +9,16 @@ use meniscus_engine::lanes::{Lanes, WIDTH};
 use meniscus_engine::store::{Add, Read};
 use meniscus_engine::wiring::Wiring;
 
-/// rho dU_r/dt += -rho C (U_r - R dU_r/dr) (1 - R/h)^2/R for R < h.
+/// rho dU_r/dt += -rho C J/2 (1 - R/h)^2/R for R < h.
 ///
 /// A ring's own hoop terms, P/(rho R) and U_r/R, swing with C/R, and no contact damps that: the weight of a ring's own
 /// image across the axis is zero. So the hoop pressure becomes that of the contact with the image, as P* is for pairs.
-/// In the acoustic Riemann problem (equation (20)) of two equal states that part with the jump J it is P - rho C J/2. Velocities that
-/// are reconstructed from both sides leave J = 2 (U_r - R dU_r/dr): a flow that is linear in R feels nothing. The last factor lets
-/// go of an image that leaves the support: both lie 2 R apart, and see each other up to 2 h.
+/// In the acoustic Riemann problem (equation (19)) of two equal states that part with the jump J it is P - rho C J/2. The image has -U_r,
+/// 2 R away: J = 2 U_r less van Leer's mean of x = 2 G - J and J on either side (`contact::Limited`), where G = 2 R dU_r/dr. That leaves
+/// J/2 = U_r (U_r/R - dU_r/dr)/(dU_r/dr), or U_r where dU_r/dr is of the other sign or less than half of U_r/R: a flow that
+/// is linear in R feels nothing. The last factor lets go of an image that leaves the support: both see each other up to 2 h.
 ///
-/// The force is radial and works on nothing but the particle itself, whose total energy it leaves: what is lost in motion
+/// The force is radial and works on nothing but the particle itself, whose total energy it leaves: what motion loses
 /// becomes heat. Axial momentum is not touched.
 pub struct HoopDissipation {
     packing: Packing,
@@ -65,7 +66,11 @@ impl ChunkStage for HoopDissipation {
             for i in eight {
                 let inside = 1.0 - radius[i] / self.packing.reach(packed.size(chunk.start + i));
                 if inside > 0.0 {
-                    let rough = velocity[i] / radius[i] - deformation[i];
+                    let rate = velocity[i] / radius[i];
+                    let slope = deformation[i];
+                    let beyond = 2.0 * slope - rate;
+                    // J/(2 R).
+                    let rough = if beyond * rate > 0.0 { rate * (rate - slope) / slope } else { rate };
                     dissipation[i] -= density[i] * sound_speed.at(i) * rough * inside * inside;
                 }
             }

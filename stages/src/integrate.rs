@@ -9,8 +9,9 @@ use meniscus_engine::store::{Read, Update};
 use meniscus_engine::wiring::Wiring;
 use std::f64::consts::{PI, SQRT_2};
 
-/// Distance from the axis, in particle sizes, at which a ring has closed: it comes no nearer. Nothing that flows comes so near;
-/// spray does, and its hoop strain would end the run, or its small radius the progress of all (`time_step`).
+/// Distance from the axis, in particle sizes, at which a ring has closed: it comes no nearer. Hardly anything that flows comes so near;
+/// spray does, and its hoop strain would end the run, or its small radius the progress of all (`time_step`). One that crosses the
+/// axis in a single step is a blow-up.
 pub(crate) const CLOSED: f64 = 0.1;
 
 /// How velocities are brought forward.
@@ -120,12 +121,18 @@ impl Integrate {
             let open = Lanes::splat(2.0 * PI) * radius * radius * radius * before;
             let new_u = closed.select_greater(open, new_u.max(Lanes::ZERO), new_u);
             new_u.store(&mut u[eight.clone()]);
-            if !(open - closed).all_positive() {
+            let moved_r = if (open - closed).all_positive() {
+                moved_r
+            } else {
+                let placed = Lanes::load_or(&r[eight.clone()], 0.0);
                 for k in eight.clone() {
                     let least = (CLOSED * CLOSED * mass[k] / (2.0 * PI * density[k])).cbrt();
-                    r[k] = r[k].max(least - origin);
+                    if r[k] + origin > 0.0 {
+                        r[k] = r[k].max(least - origin);
+                    }
                 }
-            }
+                moved_r + (Lanes::load_or(&r[eight.clone()], 0.0) - placed)
+            };
             let (new_w, moved_z) = step.advance(&mut z[eight.clone()], &mut w[eight.clone()], dw);
             farthest = farthest.max(length_at_most(moved_r, moved_z));
             let strain = step.dt * Lanes::load_or(&strain_rate[eight.clone()], 0.0);

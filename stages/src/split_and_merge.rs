@@ -47,7 +47,7 @@ const DISTINCT: f64 = 0.01;
 /// rises by m (1 - l^2) |(grad U) e|^2/2, what the flow moves about the middle, which heat gives where it is solved for.
 ///
 /// *Merging.* V < V_0/2 becomes one with the nearest neighbour of its drop with which it has less than V_0, if both lie inside, with no boundary
-/// in their support: a film of some particles' thickness keeps them. Spray, V < V_0/8, merges wherever it is. Mass, volume, first moment, momentum and total energy are kept. The smallest
+/// in their support: a film of some particles' thickness keeps them. With V < V_0/8, as spray has that flies outward, it does so wherever both are. Mass, volume, first moment, momentum and total energy are kept. The smallest
 /// particle holds everyone's step: where flow goes outward, as in a drop that is spread to a disc, particles would become ever smaller.
 pub struct SplitAndMerge {
     packing: Packing,
@@ -456,9 +456,9 @@ mod tests {
 
     #[test]
     fn at_the_surface_spray_alone_merges() {
-        for (area, expected) in [(0.4, 2), (0.1, 1)] {
-            let after = run_at(BOUNDARY, &[([20.0, 0.0], area), ([20.0, 0.5], area)], WIND);
-            assert_eq!(after.store.len(), expected, "{area}");
+        for (areas, expected) in [([0.4, 0.4], 2), ([0.1, 0.1], 1), ([0.1, 0.8], 1), ([0.1, 1.0], 2)] {
+            let after = run_at(BOUNDARY, &[([20.0, 0.0], areas[0]), ([20.0, 0.5], areas[1])], WIND);
+            assert_eq!(after.store.len(), expected, "{areas:?}");
         }
     }
 

@@ -21,7 +21,11 @@ const VANISHING: f64 = 1e-4;
 pub(crate) const INNERMOST: f64 = 0.43;
 
 /// The part of a full support with which a particle's contacts bound the step as those of all others do.
-const ATTACHED: f64 = 0.125;
+const ATTACHED: f64 = 0.0625;
+
+/// How many times longer than the one before a step may be: where spray lets go of everyone's, forces of the step
+/// before would count for several times as much.
+const LONGER: f64 = 1.5;
 
 /// Limits of the time step.
 #[derive(Clone, Copy, Debug)]
@@ -45,18 +49,18 @@ pub struct TimeStep {
     density: Read<f64>,
     mass: Read<f64>,
     sound_speed: SoundSpeed,
-    /// I - L, rr and zz, where somebody asks for it.
+    /// I - L, rr and zz, where there are ghosts.
     deficiency: Option<[Read<f64>; 2]>,
 }
 
 impl TimeStep {
-    /// States the acoustic bound. It must follow all that changes the strain rate or states a bound. With a surface it
-    /// knows who is alone.
+    /// States the acoustic bound. It must follow all that changes the strain rate or states a bound. `with_ghosts` it lets
+    /// go of particles that are alone.
     pub fn new(
         wiring: &mut Wiring,
         courant: Courant,
         constant_sound_speed: Option<f64>,
-        with_surface: bool,
+        with_ghosts: bool,
     ) -> Self {
         wiring.stage("time-step");
         let deficiency = [&fields::SUPPORT_DEFICIENCY_RR, &fields::SUPPORT_DEFICIENCY_ZZ];
@@ -67,7 +71,7 @@ impl TimeStep {
             strain_rate: wiring.read(&fields::STRAIN_RATE),
             density: wiring.read(&fields::DENSITY),
             mass: wiring.read(&fields::MASS),
-            deficiency: with_surface.then(|| deficiency.map(|field| wiring.read(field))),
+            deficiency: with_ghosts.then(|| deficiency.map(|field| wiring.read(field))),
             sound_speed: SoundSpeed::new(wiring, constant_sound_speed),
         }
     }
@@ -102,16 +106,19 @@ impl ChunkStage for TimeStep {
     /// (C dt/R)^2/4 a step, which the pressure diffusion of the contacts must outweigh. (The innermost rings of
     /// a regular packing lie at .43 D.) Here the largest (CFL/dt)^2.
     ///
-    /// A ring that nobody touches has its hoop terms alone: R/.43 takes the place of D. Spray becomes ever smaller on its way
-    /// outward, D^2 with 1/R, and would hold the steps of all. With the first ATTACHED of a full support D comes back.
+    /// Spray becomes ever smaller on its way outward, D^2 with 1/R, and would hold the steps of all. With ghosts a ring that
+    /// nobody touches, nor its own image, has its hoop terms alone: R takes the place of D, but no more than D at the start. (The swing is
+    /// damped by the ghost with C/R, and stable up to C dt/R = .88. Without ghosts it would grow.) With the first ATTACHED of a
+    /// full support D comes back. What flies so fast that it moves by more than its support in a step may pass through other spray.
     fn chunk(&self, _: &Around, chunk: &Chunk) -> Partial {
         let (strain_rate, sound_speed) = (chunk.read(self.strain_rate), self.sound_speed.of(chunk));
         let [r, density, mass] = [self.radius, self.density, self.mass].map(|field| chunk.read(field));
         let (origin, two_pi) = (Lanes::splat(self.courant.origin), Lanes::splat(2.0 * PI));
         let innermost = Lanes::splat(INNERMOST * INNERMOST);
         let deficiency = self.deficiency.map(|fields| fields.map(|field| chunk.read(field)));
+        let at_start = Lanes::splat(self.courant.particle_size.powi(-2));
         // Whoever has half the area of the start or more needs no closer look.
-        let at_rest = Lanes::splat(2.0 * (self.courant.speed / self.courant.particle_size).powi(2));
+        let small = Lanes::splat(2.0 * self.courant.speed.powi(2)) * at_start;
         let (mut largest, mut all) = (Lanes::ZERO, Lanes::ZERO);
         for first in (0..chunk.len()).step_by(WIDTH) {
             let eight = first..chunk.len().min(first + WIDTH);
@@ -129,16 +136,18 @@ impl ChunkStage for TimeStep {
             };
             let (strain, sound_speed) =
                 (Lanes::splat(4.0) * load(&strain_rate, 0.0), sound_speed.of(eight.clone()));
-            let mut rate = (sound_speed * sound_speed).mul_add(inverse_length, strain * strain);
+            let rate_of =
+                |inverse_length: Lanes| (sound_speed * sound_speed).mul_add(inverse_length, strain * strain);
+            let mut rate = rate_of(inverse_length);
             if let Some([rr, zz]) = &deficiency
-                && !(at_rest - rate).all_positive()
+                && !(small - rate).all_positive()
             {
-                // tr L/2 of a full support, and (.43/R)^2, or what it is nearer to the axis.
+                // tr L/2 is one for a full support.
                 let support = Lanes::ONE - Lanes::HALF * (load(rr, 0.0) + load(zz, 0.0));
                 let attached = (support * Lanes::splat(1.0 / ATTACHED)).max(Lanes::ZERO).min(Lanes::ONE);
-                let alone = inverse_length.min(inverse_length * innermost / distance);
-                let inverse_length = attached.mul_add(inverse_length - alone, alone);
-                rate = (sound_speed * sound_speed).mul_add(inverse_length, strain * strain);
+                let alone = (inverse / distance).max(at_start).min(inverse_length);
+                let relaxed = rate_of(attached.mul_add(inverse_length - alone, alone));
+                rate = rate.select_greater(small, relaxed, rate);
             }
             largest = largest.max(rate);
             all += rate;
@@ -153,7 +162,9 @@ impl ChunkStage for TimeStep {
     }
 
     fn finish(&mut self, world: &mut World, [largest, _]: Partial) -> Result<(), Fault> {
-        let acoustic = self.courant.number / largest.sqrt();
+        let before = world.clock.previous_step_size;
+        let longest = if before > 0.0 { LONGER * before } else { f64::INFINITY };
+        let acoustic = (self.courant.number / largest.sqrt()).min(longest);
         world.clock.limit("acoustic", acoustic);
         let step_size = world.clock.bound().map_or(acoustic, |bound| bound.step_size);
         let at_rest = self.courant.number * self.courant.particle_size / self.courant.speed;

@@ -276,7 +276,7 @@ pub fn rounded(number: f64, bits: i32) -> f64 {
 }
 
 /// The harmonic mean where both have one sign, else zero.
-fn van_leer(x: f64, y: f64) -> f64 {
+pub fn van_leer(x: f64, y: f64) -> f64 {
     if x * y > 0.0 { 2.0 * x * y / (x + y) } else { 0.0 }
 }
 

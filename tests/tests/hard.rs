@@ -235,7 +235,8 @@ fn small_rings_do_not_hold_the_steps_of_all() {
 
 /// A ring keeps its mass, so particles at the axis would become large, and far out small: without splitting and merging to .41 and 3.0,
 /// 1.0 and 16, .26 and 2.9 times the area at the start. Of all but a fiftieth to either side: lone particles have nobody to merge
-/// with, and what comes to the axis grows within a few steps; of a ring that closes that are more, at one look 2.9 times.
+/// with, and what comes to the axis grows within a few steps. Where a ring closes the axis takes the motion of all who come
+/// there (`hoop_dissipation`), and for one look they are 2.9 times as large (2.1 without).
 #[test]
 fn particles_stay_as_large_as_the_scene_says() {
     let cases = [

@@ -3,7 +3,7 @@
 use meniscus_cases::assemble::Physics;
 use meniscus_cases::scene::{Flux, Method, Precision};
 use meniscus_tests::liquid::{self, Block, DEFORMATION, DENSITY, FLUXES, Random, SIZE, SOUND_SPEED, WEIGHTS};
-use meniscus_tests::reference::{Particle, Sums, rounded};
+use meniscus_tests::reference::{Particle, Sums, rounded, van_leer};
 
 /// Sums of some fifty terms in another order, and inverses that are shared: an error of 1e-14 of the
 /// largest term; the largest column is at least a thousandth of that.
@@ -61,7 +61,7 @@ fn solved(sums: &Sums) -> [[f64; 2]; 2] {
 }
 
 /// The dissipative force density of a ring's contact with its own image beyond the axis, radial: the hoop pressure less
-/// rho C (U_r - R dU_r/dr), as far as the image is in the support.
+/// rho C J/2, as far as the image is in the support. J is what van Leer's limiter leaves of 2 U_r.
 fn hoop_dissipation(physics: &Physics, a: &Particle, sums: &Sums) -> f64 {
     let method = &physics.method;
     let without_images = (method.scheme, method.axis) == WEIGHTS[0] && physics.domain.origin == 0.0;
@@ -70,9 +70,10 @@ fn hoop_dissipation(physics: &Physics, a: &Particle, sums: &Sums) -> f64 {
     }
     let medium = liquid::medium(physics);
     let radius = medium.radius(a);
-    let rough = a.velocity[0] - radius * solved(sums)[0][0];
+    let jump = 2.0 * a.velocity[0];
+    let step = van_leer(2.0 * solved(sums)[0][0] * 2.0 * radius - jump, jump);
     let inside = (1.0 - 2.0 * radius / medium.support(a, a)).max(0.0);
-    -a.density * medium.sound_speed * rough * inside.powi(2) / radius
+    -0.5 * a.density * medium.sound_speed * (jump - step) * inside.powi(2) / radius
 }
 
 fn compare(physics: &Physics, particles: &[Particle], about: &str) {

@@ -335,8 +335,8 @@ impl Builder<'_> {
             particle_size: self.physics.particle_size,
             origin: self.physics.domain.origin,
         };
-        let (sound_speed, with_surface) = (self.constant_sound_speed(), self.with_surface());
-        AnyStage::chunks(TimeStep::new(&mut self.wiring, courant, sound_speed, with_surface))
+        let (sound_speed, with_ghosts) = (self.constant_sound_speed(), self.with_tension());
+        AnyStage::chunks(TimeStep::new(&mut self.wiring, courant, sound_speed, with_ghosts))
     }
 
     fn integrate(&mut self) -> AnyStage {

@@ -19,7 +19,7 @@ const ACROSS: f64 = 0.2;
 /// lay on the same, a piece of the surface was counted twice, some per cent of a small drop's. (With a tenth some still were:
 /// .9 % of the area for two outputs of a splash.)
 const MERGED: f64 = 0.3;
-/// How many times farther away the next point may lie than that one's own next points do: else it is no end of a gap, and
+/// How many times farther away the next point may lie than the farther of that one's own two next points does: else it is no end of a gap, and
 /// the other point lies beside the surface. (One between the sides of a crease was two per cent of a splash's area, for one output.)
 const LONELY: f64 = 2.0;
 /// Slope towards the axis from which on a surface that ends does not go on across it.
@@ -305,10 +305,23 @@ mod tests {
     /// A lone particle between the sides of a crease sees the surface on either side, which is whole without it.
     #[test]
     fn who_lies_beside_a_whole_surface_is_no_part_of_it() {
-        let lone = [[1.0, 1.0 - 4.5 * SPACING, SPACING]];
-        let [alone, both] = [&lone[..0], &lone[..]]
-            .map(|more| of_sphere(circle().chain(more.iter().copied()), MERGED * SPACING));
-        assert_eq!(alone, both);
+        for below in [2.5, 3.0, 4.5] {
+            let lone = [[1.0, 1.0 - below * SPACING, SPACING]];
+            let [alone, both] = [&lone[..0], &lone[..]]
+                .map(|more| of_sphere(circle().chain(more.iter().copied()), MERGED * SPACING));
+            assert_eq!(alone, both, "{below}");
+        }
+    }
+
+    /// Both ends of a gap have each other, wherever the points before and after lie.
+    #[test]
+    fn gaps_in_a_surface_belong_to_it() {
+        for missing in [1, 2, 4] {
+            let points = circle().enumerate().filter(|(k, _)| !(20..20 + missing).contains(k));
+            let doubled = [[(20.0 - 0.1) * SPACING, 1.0, SPACING]];
+            let area = of_sphere(points.map(|(_, point)| point).chain(doubled), MERGED * SPACING);
+            assert!((area - 1.0).abs() < 0.002, "{missing}: {area}");
+        }
     }
 
     /// Around a hole in the liquid there are boundary particles that find no surface.
