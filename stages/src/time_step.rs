@@ -162,9 +162,9 @@ impl ChunkStage for TimeStep {
     }
 
     fn finish(&mut self, world: &mut World, [largest, _]: Partial) -> Result<(), Fault> {
-        let before = world.clock.previous_step_size;
-        let longest = if before > 0.0 { LONGER * before } else { f64::INFINITY };
-        let acoustic = (self.courant.number / largest.sqrt()).min(longest);
+        let (before, stable) = (world.clock.previous_step_size, self.courant.number / largest.sqrt());
+        // Neither hides a NaN.
+        let acoustic = if before > 0.0 && stable > LONGER * before { LONGER * before } else { stable };
         world.clock.limit("acoustic", acoustic);
         let step_size = world.clock.bound().map_or(acoustic, |bound| bound.step_size);
         let at_rest = self.courant.number * self.courant.particle_size / self.courant.speed;
