@@ -57,23 +57,25 @@ impl ChunkStage for HoopDissipation {
         let sound_speed = self.sound_speed.of(chunk);
         let packed = PackedState(around.rows);
         let mut dissipation = chunk.write(self.dissipation);
-        let farthest = Lanes::splat(self.packing.reach(self.packing.largest_size));
+        let largest = Lanes::splat(self.packing.largest_size);
+        let twice_theta = Lanes::splat(2.0 * self.packing.theta);
         for first in (0..chunk.len()).step_by(WIDTH) {
             let eight = first..chunk.len().min(first + WIDTH);
-            if (Lanes::load_or(&radius[eight.clone()], f64::MAX) - farthest).all_positive() {
+            let load = |column: &[f64], fill| Lanes::load_or(&column[eight.clone()], fill);
+            // Whoever fills up the last eight is far from the axis.
+            let radius = load(&radius, 1e150);
+            if (radius - twice_theta * largest).all_positive() {
                 continue;
             }
-            for i in eight {
-                let inside = 1.0 - radius[i] / self.packing.reach(packed.size(chunk.start + i));
-                if inside > 0.0 {
-                    let rate = velocity[i] / radius[i];
-                    let slope = deformation[i];
-                    let beyond = 2.0 * slope - rate;
-                    // J/(2 R).
-                    let rough = if beyond * rate > 0.0 { rate * (rate - slope) / slope } else { rate };
-                    dissipation[i] -= density[i] * sound_speed.at(i) * rough * inside * inside;
-                }
-            }
+            let reach = twice_theta * packed.areas(chunk.start + first).sqrt().min(largest);
+            let inside = (Lanes::ONE - radius / reach).max(Lanes::ZERO);
+            // J/(2 R): U_r/R where van Leer's mean is zero.
+            let (rate, slope) = (load(&velocity, 0.0) / radius, load(&deformation, 0.0));
+            let both = (slope + slope - rate) * rate;
+            let safe = both.select_greater(Lanes::ZERO, slope, Lanes::ONE);
+            let rough = both.select_greater(Lanes::ZERO, rate * (rate - slope) / safe, rate);
+            let force = load(&density, 0.0) * sound_speed.of(eight.clone()) * rough * inside * inside;
+            (load(&dissipation, 0.0) - force).store(&mut dissipation[eight]);
         }
         [0.0; 2]
     }
