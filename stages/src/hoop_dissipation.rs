@@ -2,6 +2,7 @@
 
 use crate::equation_of_state::Packing;
 use crate::fields;
+use crate::record::Precision;
 use crate::rows::PackedState;
 use crate::sound_speed::SoundSpeed;
 use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
@@ -57,18 +58,19 @@ impl ChunkStage for HoopDissipation {
         let sound_speed = self.sound_speed.of(chunk);
         let packed = PackedState(around.rows);
         let mut dissipation = chunk.write(self.dissipation);
-        let largest = Lanes::splat(self.packing.largest_size);
-        let twice_theta = Lanes::splat(2.0 * self.packing.theta);
+        let farthest = Lanes::splat(self.packing.reach(self.packing.largest_size));
+        let support = self.packing.support(Precision::Double);
         for first in (0..chunk.len()).step_by(WIDTH) {
             let eight = first..chunk.len().min(first + WIDTH);
             let load = |column: &[f64], fill| Lanes::load_or(&column[eight.clone()], fill);
             // Whoever fills up the last eight is far from the axis.
             let radius = load(&radius, 1e150);
-            if (radius - twice_theta * largest).all_positive() {
+            if (radius - farthest).all_positive() {
                 continue;
             }
-            let reach = twice_theta * packed.areas(chunk.start + first).sqrt().min(largest);
-            let inside = (Lanes::ONE - radius / reach).max(Lanes::ZERO);
+            let size = packed.sizes(chunk.start + first);
+            let distance = radius + radius;
+            let inside = (Lanes::ONE - distance / support.of_pair(size, size)).max(Lanes::ZERO);
             // J/(2 R): U_r/R where van Leer's mean is zero.
             let (rate, slope) = (load(&velocity, 0.0) / radius, load(&deformation, 0.0));
             let both = (slope + slope - rate) * rate;

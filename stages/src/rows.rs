@@ -133,14 +133,20 @@ impl PackedState<'_> {
         size * size
     }
 
-    /// The areas of the eight particles from `first` on, m2.
+    /// The sizes of the eight particles from `first` on, m.
     #[inline(always)]
-    pub fn areas(self, first: usize) -> Lanes {
+    pub fn sizes(self, first: usize) -> Lanes {
         let sizes = match self.0.double.get(first..first + WIDTH) {
             Some(rows) => std::array::from_fn::<f64, WIDTH, _>(|lane| rows[lane].0[SIZE]),
             None => std::array::from_fn(|lane| self.size(first + lane)),
         };
-        let sizes = Lanes::load(&sizes);
+        Lanes::load(&sizes)
+    }
+
+    /// Their areas, m2.
+    #[inline(always)]
+    pub fn areas(self, first: usize) -> Lanes {
+        let sizes = self.sizes(first);
         sizes * sizes
     }
 

@@ -193,7 +193,7 @@ fn small_drops_merge_at_speed() {
 }
 
 /// Tips a few particles wide tear off at the speed of sound, and what flies away is spray. Rings at the axis swung by their hoop
-/// terms until they crossed it (`small/35`), and spray held everyone's step far from the axis (`small/34`).
+/// terms until they crossed it (`small/35`), and, in a prototype, two that flew together held everyone's step far from it (`small/34`).
 #[test]
 fn finely_resolved_drops_merge_at_speed() {
     for size in ["particle_size=small/34", "particle_size=small/35"] {

@@ -36,6 +36,24 @@ fn spray_holds_nobody() {
     assert!(step_size(&[small([4.5, 6.0])]) < 0.2 * alone);
 }
 
+/// Where two that held everyone's step part it grows, but by no more than half a step.
+#[test]
+fn steps_grow_slowly_where_spray_parts() {
+    let mut particles = liquid::block([10, 12], 0.5, 0.2, &mut Random::new(47));
+    for (z, speed) in [(6.0, -50.0), (6.1, 50.0)] {
+        particles.push(Particle { velocity: [0.0, speed], ..small([100.0, z]) });
+    }
+    let mut block = Block::new(&liquid::physics(liquid::bare_method()), &particles);
+    let steps: Vec<f64> = (0..40)
+        .map(|_| {
+            block.step();
+            block.world.clock.previous_step_size
+        })
+        .collect();
+    assert!(steps[39] > 4.0 * steps[0], "{steps:?}");
+    assert!(steps.windows(2).all(|two| two[1] < 1.5001 * two[0]), "{steps:?}");
+}
+
 /// A lone ring has its hoop terms still: nearer to the axis than the size at the start its distance takes the place of its size, and
 /// its ghost damps what swings.
 #[test]
