@@ -235,16 +235,15 @@ fn small_rings_do_not_hold_the_steps_of_all() {
 
 /// A ring keeps its mass, so particles at the axis would become large, and far out small: without splitting and merging to .41 and 3.0,
 /// 1.0 and 16, .26 and 2.9 times the area at the start. Of all but a fiftieth to either side: lone particles have nobody to merge
-/// with, and what comes to the axis grows within a few steps. Where a ring closes the axis takes the motion of all who come
-/// there (`hoop_dissipation`), and for one look they are 2.9 times as large (2.1 without).
+/// with, and what comes to the axis grows within a few steps.
 #[test]
 fn particles_stay_as_large_as_the_scene_says() {
     let cases = [
-        ("rayleigh-plateau-jet/pinch-off.toml", "particle_size=radius/12", 2.5),
-        ("closing-torus/hard.toml", "particle_size=60 nm", 3.5),
-        ("drop-collision-capillary/hard.toml", "particle_size=60 nm", 2.5),
+        ("rayleigh-plateau-jet/pinch-off.toml", "particle_size=radius/12"),
+        ("closing-torus/hard.toml", "particle_size=60 nm"),
+        ("drop-collision-capillary/hard.toml", "particle_size=60 nm"),
     ];
-    for (case, setting, most) in cases {
+    for (case, setting) in cases {
         let scene = hard(case, &[setting]);
         let mut simulation = drops::start(&scene);
         let start = totals(&simulation);
@@ -267,7 +266,7 @@ fn particles_stay_as_large_as_the_scene_says() {
             largest = largest.max(areas[areas.len() - 1 - few] / first);
         }
         println!("{case}: areas from {smallest:.2} to {largest:.2}");
-        assert!(smallest > 0.35 && largest < most, "{case}: areas from {smallest} to {largest}");
+        assert!(smallest > 0.35 && largest < 2.5, "{case}: areas from {smallest} to {largest}");
         let end = totals(&simulation);
         assert!((end.mass / start.mass - 1.0).abs() < 1e-13);
     }
