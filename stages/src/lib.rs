@@ -1,6 +1,5 @@
 //! The physics of Meniscus: every stage and every pair term in a small file of its own.
 
-pub mod axis_contact;
 mod bad_state;
 pub mod boundary_detect;
 pub mod boundary_evening;
@@ -17,7 +16,7 @@ pub mod equation_of_state;
 pub mod fields;
 pub mod geometry;
 pub mod ghost_coupling;
-pub mod hoop_dissipation;
+pub mod image_contact;
 pub mod incomplete_support;
 pub mod initial_pressure;
 pub mod integrate;

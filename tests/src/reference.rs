@@ -172,7 +172,20 @@ impl Medium {
             sums.force[0] += self.pressure(a) / radius;
             sums.ghost_weight[0] += 0.5 / radius;
         }
+        if self.weights == Weights::HarmonicMean && self.origin == 0.0 && self.reconstructed {
+            sums.dissipation[0] += self.image_dissipation(a);
+        }
         sums
+    }
+
+    /// Of the contact with the particle's own image: the hoop pressure less rho C J/2, as far as the image is in the support.
+    /// J is what van Leer's limiter leaves of 2 U_r.
+    fn image_dissipation(&self, a: &Particle) -> f64 {
+        let radius = self.radius(a);
+        let jump = 2.0 * a.velocity[0];
+        let step = van_leer(4.0 * a.gradient[0][0] * radius - jump, jump);
+        let inside = (1.0 - 2.0 * radius / self.support(a, a)).max(0.0);
+        -0.5 * self.impedance(a) * (jump - step) * inside.powi(2) / radius
     }
 
     fn shifts(&self) -> Vec<f64> {

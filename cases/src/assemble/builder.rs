@@ -4,7 +4,6 @@ use super::{Equation, Physics, PlanLine};
 use crate::scene::{Curvature, TimeIntegration};
 use meniscus_engine::pipeline::AnyStage;
 use meniscus_engine::wiring::Wiring;
-use meniscus_stages::axis_contact::AxisContact;
 use meniscus_stages::boundary_detect::{BoundaryDetect, ColourGuard};
 use meniscus_stages::boundary_evening::BoundaryEvening;
 use meniscus_stages::central_force::CentralForce;
@@ -15,7 +14,6 @@ use meniscus_stages::curvature_normals::CurvatureNormals;
 use meniscus_stages::drops::Drops;
 use meniscus_stages::equation_of_state::{Packing, State};
 use meniscus_stages::ghost_coupling::GhostCoupling;
-use meniscus_stages::hoop_dissipation::HoopDissipation;
 use meniscus_stages::incomplete_support::IncompleteSupport;
 use meniscus_stages::initial_pressure::InitialPressure;
 use meniscus_stages::integrate::{self, Integrate};
@@ -181,17 +179,6 @@ impl Builder<'_> {
                 origin,
                 with_energy,
             )));
-        }
-        let reasons = ("shocks may form on the axis", "no shocks, no axis, or images there");
-        if self.plan("axis-contact", self.without_images() && self.with_shocks(), reasons) {
-            let (packing, slope) = (self.packing, self.physics.equation.shock_slope());
-            stages.push(AnyStage::chunks(AxisContact::new(&mut self.wiring, packing, slope)));
-        }
-        let reasons =
-            ("rings near the axis swing by their hoop terms", "no reconstruction, no axis, or images there");
-        if self.plan("hoop-dissipation", self.with_hoop_dissipation(), reasons) {
-            let (packing, sound_speed) = (self.packing, self.constant_sound_speed());
-            stages.push(AnyStage::chunks(HoopDissipation::new(&mut self.wiring, packing, sound_speed)));
         }
         let reasons = ("flows draw particles out into rows", "its coefficient is zero");
         if self.plan("shifting", self.shifting() > 0.0, reasons) {

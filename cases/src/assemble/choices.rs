@@ -70,11 +70,9 @@ impl Builder<'_> {
         self.shifts_everywhere() && self.reconstructs() && !self.with_energy()
     }
 
-    /// Whether the dissipative force is summed apart: two-step schemes treat it in another way, and the forces of
-    /// viscosity and of contacts across the axis join it.
+    /// Whether the dissipative force is summed apart: two-step schemes treat it in another way, and that of viscosity joins it.
     pub(super) fn with_dissipation(&self) -> bool {
-        let joined = self.with_viscosity() || self.with_shocks() || self.with_hoop_dissipation();
-        self.is_two_step() || joined
+        self.is_two_step() || self.with_viscosity()
     }
 
     /// Whether coordinates begin at the axis and pairs know of no images beyond it.
@@ -83,10 +81,6 @@ impl Builder<'_> {
         let conservative =
             (method.scheme, method.axis) == (Scheme::HarmonicMean, AxisTreatment::Conservative);
         self.physics.domain.origin == 0.0 && conservative
-    }
-
-    pub(super) fn with_hoop_dissipation(&self) -> bool {
-        self.without_images() && self.reconstructs()
     }
 
     pub(super) fn is_two_step(&self) -> bool {

@@ -8,6 +8,7 @@ use meniscus_engine::pipeline::AnyStage;
 use meniscus_stages::contact::{Contact, ContactProblem, FirstOrder, Limited, Reconstruction, Shock};
 use meniscus_stages::equation_of_state::Besides;
 use meniscus_stages::geometry::{Geometry, HarmonicMean, NearAxisParshikov, Parshikov};
+use meniscus_stages::image_contact::ImageContact;
 use meniscus_stages::record::{DeformationRecord, FlowRecord, FlowState, Precision, ShockRecord};
 use meniscus_stages::terms::{
     ConcentrationGradient, DensityRate, EnergyRate, GhostWeight, MomentMatrix, PressureRiemann, VelocitySum,
@@ -15,8 +16,8 @@ use meniscus_stages::terms::{
 };
 
 /// The sums of any liquid: flow, surface and gradient, and energy.
-type Sums<G> = (
-    (DensityRate<G>, PressureRiemann<G>),
+type Sums<G, F> = (
+    (DensityRate<G>, PressureRiemann<G, F>),
     (Option<MomentMatrix>, Option<GhostWeight<G>>, Option<VelocitySum>),
     Option<EnergyRate<G>>,
 );
@@ -36,11 +37,15 @@ impl Builder<'_> {
             (false, true) => "first-order flux with the contacts of shocks",
             (false, false) => "first-order flux",
         };
+        let images = match self.without_images() && (self.reconstructs() || self.with_shocks()) {
+            true => ", rings' contacts with their images across the axis",
+            false => "",
+        };
         let precision = match method.precision {
             Precision::Double => "double precision",
             Precision::Mixed => "pairs in single precision",
         };
-        format!("all pair sums in one traversal: {weights}, {flux}, {precision}")
+        format!("all pair sums in one traversal: {weights}, {flux}{images}, {precision}")
     }
 
     pub(super) fn flux(&mut self) -> AnyStage {
@@ -89,17 +94,17 @@ impl Builder<'_> {
     where
         R: FlowState<Scalar: Packed> + 'static,
         G: Geometry + 'static,
-        F: Reconstruction<R> + 'static,
+        F: Reconstruction<R> + ImageContact<R> + 'static,
     {
         let problem = self.problem(geometry, reconstruction);
-        let sums = self.sums(geometry);
+        let sums = self.sums(&problem);
         self.fused::<R, _, _>(problem, sums)
     }
 
     /// With rows that hold nothing but the flow state. The paper's sums are fused without a question.
     fn plain<G: Geometry + 'static>(&mut self, geometry: G) -> AnyStage {
         let problem = self.problem(geometry, FirstOrder);
-        match self.sums(geometry) {
+        match self.sums(&problem) {
             (flow, (Some(moment), Some(weight), None), None) if self.shifting() == 0.0 => {
                 self.pass::<FlowRecord, _, _, _, _>(problem, (flow, (moment, weight)), ())
             }
@@ -111,22 +116,24 @@ impl Builder<'_> {
     where
         T: Packed,
         G: Geometry + 'static,
-        F: Reconstruction<DeformationRecord<T>> + 'static,
+        F: Reconstruction<DeformationRecord<T>> + ImageContact<DeformationRecord<T>> + 'static,
     {
-        let sums = self.sums(geometry);
+        let problem = self.problem(geometry, reconstruction);
+        let sums = self.sums(&problem);
         let (viscosity, with_energy) = (self.physics.viscosity, self.with_energy());
         let viscosity = Viscosity::new(&mut self.wiring, geometry, viscosity, with_energy);
-        let problem = self.problem(geometry, reconstruction);
         let gradient = self.concentration_gradient();
         self.pass::<DeformationRecord<T>, _, _, _, _>(problem, (sums, viscosity), gradient)
     }
 
-    fn sums<G: Geometry>(&mut self, geometry: G) -> Sums<G> {
+    fn sums<G: Geometry, F: Copy>(&mut self, problem: &ContactProblem<G, F>) -> Sums<G, F> {
         self.wiring.stage("flux");
+        let &ContactProblem { geometry, support, reconstruction } = problem;
+        let images = self.without_images().then_some((support, reconstruction));
         let apart = self.with_dissipation();
         let flow = (
             DensityRate::new(&mut self.wiring, geometry),
-            PressureRiemann::new(&mut self.wiring, geometry, apart),
+            PressureRiemann::new(&mut self.wiring, geometry, images, apart),
         );
         let moment = (self.with_surface() || self.with_gradient() || self.physics.method.kernel_correction)
             .then(|| MomentMatrix::new(&mut self.wiring));
@@ -143,11 +150,11 @@ impl Builder<'_> {
     }
 
     /// The sums of most scenes are fused without a question; the rest are options.
-    fn fused<R, G, F>(&mut self, problem: ContactProblem<G, F>, sums: Sums<G>) -> AnyStage
+    fn fused<R, G, F>(&mut self, problem: ContactProblem<G, F>, sums: Sums<G, F>) -> AnyStage
     where
         R: FlowState<Scalar: Packed> + 'static,
         G: Geometry + 'static,
-        F: Reconstruction<R> + 'static,
+        F: Reconstruction<R> + ImageContact<R> + 'static,
     {
         let gradient = self.concentration_gradient();
         match sums {

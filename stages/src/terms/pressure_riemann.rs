@@ -2,7 +2,8 @@
 
 use crate::contact::Contact;
 use crate::fields;
-use crate::geometry::Geometry;
+use crate::geometry::{Geometry, Support};
+use crate::image_contact::ImageContact;
 use crate::record::FlowState;
 use meniscus_engine::lanes::Lanes;
 use meniscus_engine::pairs::{Columns, PairTerm};
@@ -11,27 +12,36 @@ use meniscus_engine::wiring::Wiring;
 
 /// rho_a dU_a/dt = -sum_b w_ab P* g_ab e_ab + (P_a/R_a) e_r (equation (17); method.md, section 3).
 /// The part of P* that comes from the velocity jump is summed apart: it is dissipative, and time integration
-/// may treat it in another way.
-pub struct PressureRiemann<G> {
+/// may treat it in another way. What a ring's contact with its own image gives belongs to it.
+pub struct PressureRiemann<G, F> {
     geometry: G,
+    /// Supports and contacts where rings have images.
+    images: Option<(Support, F)>,
     force: [Write<f64>; 2],
     /// None where both parts are one force.
     dissipation: Option<[Write<f64>; 2]>,
 }
 
-impl<G: Geometry> PressureRiemann<G> {
-    /// Writes the force density, and that of the dissipative part apart or with it.
-    pub fn new(wiring: &mut Wiring, geometry: G, apart: bool) -> Self {
+impl<G: Geometry, F> PressureRiemann<G, F> {
+    /// Writes the force density, and that of the dissipative part apart or with it. `images` where coordinates begin at the
+    /// axis and pairs know of no images beyond it.
+    pub fn new(wiring: &mut Wiring, geometry: G, images: Option<(Support, F)>, apart: bool) -> Self {
         let dissipation = [&fields::DISSIPATION_R, &fields::DISSIPATION_Z];
         PressureRiemann {
             geometry,
+            images,
             force: [wiring.write(&fields::FORCE_R), wiring.write(&fields::FORCE_Z)],
             dissipation: apart.then(|| dissipation.map(|field| wiring.write(field))),
         }
     }
 }
 
-impl<R: FlowState, G: Geometry> PairTerm<R, Contact<R::Scalar>> for PressureRiemann<G> {
+impl<R, G, F> PairTerm<R, Contact<R::Scalar>> for PressureRiemann<G, F>
+where
+    R: FlowState,
+    G: Geometry,
+    F: ImageContact<R>,
+{
     type Sum = [Lanes<R::Scalar>; 4];
     const OUTPUTS: usize = 4;
 
@@ -53,7 +63,10 @@ impl<R: FlowState, G: Geometry> PairTerm<R, Contact<R::Scalar>> for PressureRiem
     #[inline(always)]
     fn finish(&self, a: &R, sum: [Lanes<R::Scalar>; 4], results: &mut [Lanes<R::Scalar>]) {
         let flow = a.flow();
-        let [mut force_r, mut force_z, r, z] = sum;
+        let [mut force_r, mut force_z, mut r, z] = sum;
+        if let Some((support, contact)) = &self.images {
+            r = contact.add_image_force(a, *support, r);
+        }
         if self.dissipation.is_none() {
             (force_r, force_z) = (force_r + r, force_z + z);
         }
