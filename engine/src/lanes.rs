@@ -1,4 +1,5 @@
-//! Eight particles side by side, or sixteen in single precision: the SIMD arithmetic of the pair passes.
+//! Eight particles side by side: the SIMD arithmetic of stages and pair passes. In these, where registers of 512 bits are not
+//! to be had, four; with single precision twice as many.
 //!
 //! Everything whose rounding depends on the instruction set lives here: [`Lanes::mul_add`] is one
 //! rounding where the build has fused multiply-add and two where it has not. Results are therefore
@@ -12,12 +13,12 @@ use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 use wide::f64x8;
 
 pub use rows::{
-    COORDINATE, Packed, Row, RowPart, RowTable, SLOTS, SingleRow, Slots, THIRDS, WHOLE,
+    COORDINATE, Packed, Row, RowPart, RowTable, SINGLES, SLOTS, SingleRow, Slots, THIRDS, WHOLE,
     with_second_third_turned,
 };
-pub use scalar::{PLACE_STEP, Scalar, Vector, place};
+pub use scalar::{Double, Four, PLACE_STEP, Scalar, Vector, place};
 
-/// Number of particles that one [`Lanes`] of double precision holds, half as many as one of single precision.
+/// Number of particles that one [`Lanes`] of double precision holds, and of those whose lists lie side by side.
 pub const WIDTH: usize = 8;
 
 /// The instruction set of the lanes in this build; that of the architecture's first processors where it has
@@ -30,7 +31,7 @@ pub const INSTRUCTION_SET: &str = if cfg!(target_feature = "avx512f") {
     std::env::consts::ARCH
 };
 
-/// Eight numbers, or sixteen of single precision, one a particle.
+/// Eight numbers, or as many as T has side by side, one a particle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(transparent)]
 pub struct Lanes<T: Scalar = f64>(T::Vector);
@@ -117,9 +118,17 @@ impl<T: Scalar> Lanes<T> {
 }
 
 impl Lanes<f32> {
-    /// The sixteen values as an array.
+    /// The values as an array.
     #[inline(always)]
-    pub fn to_array(self) -> [f32; 2 * WIDTH] {
+    pub fn to_array(self) -> [f32; SINGLES] {
+        self.0.to_array()
+    }
+}
+
+impl Lanes<Four> {
+    /// The four values as an array.
+    #[inline(always)]
+    pub fn to_array(self) -> [f64; WIDTH / 2] {
         self.0.to_array()
     }
 }

@@ -2,9 +2,9 @@
 //! need.
 //!
 //! ```text
-//! for each block of 8 particles a (one per lane; two blocks side by side in single precision):
+//! for each block of 8 particles a (one per lane; half a block where registers are narrow, twice as many in single precision):
 //!     load a's rows, set all sums to zero
-//!     for each interleaved entry: load 8 neighbours b, evaluate the pair once,
+//!     for each interleaved entry: load a neighbour b in each lane, evaluate the pair once,
 //!         let every term add to its sums
 //!     let every term finish; store
 //! ```
@@ -102,7 +102,7 @@ where
     ) {
         let len = outputs.iter().flatten().map(|column| column.len()).next().unwrap_or(0);
         let mut results = [Lanes::<R::Scalar>::ZERO; MOST_OUTPUTS];
-        let width = R::Scalar::BLOCKS * WIDTH;
+        let width = R::Scalar::LANES;
         for offset in (0..len).step_by(width) {
             self.block(terms, (list, rows), start + offset, &mut results);
             let here = offset..len.min(offset + width);
@@ -119,8 +119,7 @@ where
     }
 
     #[inline(always)]
-    fn begin(&self, rows: &RowTable, a: &R, neighbours: [&[u32; WIDTH]; 2]) -> Begun<R, I::Approach> {
-        let b = load::<R>(rows, neighbours);
+    fn begin(&self, a: &R, b: R) -> Begun<R, I::Approach> {
         let approach = if BEGINS_AHEAD { Some(self.interaction.approach(a, &b)) } else { None };
         Begun { b, approach }
     }
@@ -150,25 +149,30 @@ where
         first: usize,
         results: &mut [Lanes<R::Scalar>],
     ) {
-        let numbers = [first, first + WIDTH].map(|first| std::array::from_fn(|lane| (first + lane) as u32));
-        let a = load::<R>(rows, numbers.each_ref());
+        // A block of eight particles whose lists lie side by side, half of it, or two.
+        let (block, half) = (first / WIDTH, first % WIDTH / (WIDTH / 2));
+        let numbers =
+            [block, block + 1].map(|block| std::array::from_fn(|lane| (WIDTH * block + lane) as u32));
+        let a = load::<R>(rows, numbers.each_ref(), half);
         let own = self.interaction.prepare(&a);
         let mut sum = terms.zero();
+        let blocks = R::Scalar::LANES.div_ceil(WIDTH);
         let lists: [&[[u32; WIDTH]]; 2] =
-            std::array::from_fn(|k| if k < R::Scalar::BLOCKS { list.block(first / WIDTH + k) } else { &[] });
-        if rows.bytes() > CACHED {
-            for k in 0..R::Scalar::BLOCKS {
-                let later = list.block(first / WIDTH + R::Scalar::BLOCKS + k);
+            std::array::from_fn(|k| if k < blocks { list.block(block + k) } else { &[] });
+        if half == 0 && rows.bytes() > CACHED {
+            for k in 0..blocks {
+                let later = list.block(block + blocks + k);
                 later.iter().for_each(|entry| R::Scalar::prefetch(rows, entry));
             }
         }
         let longest = lists[0].len().max(lists[1].len());
+        let neighbours = |k: usize| load::<R>(rows, R::Scalar::entry(&lists, k, &numbers), half);
         if longest > 0 {
             // The next neighbours are loaded and their pairs begun before the present ones are summed: loads,
             // transposes, root and divisions then overlap with the long rest of the pair.
-            let mut present = self.begin(rows, &a, R::Scalar::entry(&lists, 0, &numbers));
+            let mut present = self.begin(&a, neighbours(0));
             for k in 1..longest {
-                let next = self.begin(rows, &a, R::Scalar::entry(&lists, k, &numbers));
+                let next = self.begin(&a, neighbours(k));
                 self.add(terms, (&a, &own), present, &mut sum);
                 present = next;
             }
@@ -178,10 +182,10 @@ where
     }
 }
 
-/// Loads the rows of eight particles, or twice as many in single precision.
+/// Loads the rows of both blocks of particles, or of the one, or of its half of that number.
 #[inline(always)]
-pub fn load<R: Record<Scalar: Packed>>(rows: &RowTable, particles: [&[u32; WIDTH]; 2]) -> R {
-    R::from_slots(R::Scalar::load(rows, particles))
+fn load<R: Record<Scalar: Packed>>(rows: &RowTable, particles: [&[u32; WIDTH]; 2], half: usize) -> R {
+    R::from_slots(R::Scalar::load(rows, particles, half))
 }
 
 impl<R, I, T, S> ChunkStage for PairPass<R, I, T, S>
@@ -228,5 +232,115 @@ where
             self.traverse(&self.terms.0, pairs, chunk.start, outputs);
         }
         [0.0; 2]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::domain::Domain;
+    use crate::lanes::{Four, Places, Row, Scalar, Slots};
+
+    /// A place, and a number that neighbours weigh by.
+    #[derive(Clone, Copy)]
+    struct Weighed<T: Scalar> {
+        r: Places<T>,
+        z: Places<T>,
+        weight: Lanes<T>,
+    }
+
+    impl<T: Scalar> Record for Weighed<T> {
+        type Scalar = T;
+
+        fn from_slots(slots: Slots<T>) -> Self {
+            let [r, z, weight, ..] = slots.whole;
+            Weighed { r: Places::of_slot(r), z: Places::of_slot(z), weight }
+        }
+    }
+
+    /// The square of the distance.
+    struct Square;
+
+    impl<T: Scalar> Interaction<Weighed<T>> for Square {
+        type Pair = Lanes<T>;
+        type Own = ();
+        type Approach = ();
+
+        fn prepare(&self, _: &Weighed<T>) {}
+
+        fn approach(&self, _: &Weighed<T>, _: &Weighed<T>) {}
+
+        fn operations(&self) -> u64 {
+            5
+        }
+
+        fn evaluate(&self, a: &Weighed<T>, (): &(), b: &Weighed<T>, (): &()) -> Lanes<T> {
+            let (dr, dz) = (a.r.to(b.r), a.z.to(b.z));
+            dr.mul_add(dr, dz * dz)
+        }
+    }
+
+    /// The mean of the neighbours' weights, each times a square.
+    struct Sum;
+
+    impl<T: Scalar> PairTerm<Weighed<T>, Lanes<T>> for Sum {
+        type Sum = Lanes<T>;
+        const OUTPUTS: usize = 1;
+
+        fn zero(&self) -> Lanes<T> {
+            Lanes::ZERO
+        }
+
+        fn add(&self, _: &Weighed<T>, b: &Weighed<T>, square: &Lanes<T>, sum: &mut Lanes<T>) {
+            *sum = b.weight.mul_add(*square, *sum);
+        }
+
+        fn finish(&self, a: &Weighed<T>, sum: Lanes<T>, results: &mut [Lanes<T>]) {
+            results[0] = sum / a.weight;
+        }
+
+        fn operations(&self) -> u64 {
+            2
+        }
+
+        fn outputs(&self, columns: &mut Columns) {
+            columns.push(None);
+        }
+    }
+
+    fn sums<T: Packed>(list: &NeighbourList, rows: &RowTable) -> Vec<f64> {
+        let pass = PairPass::<Weighed<T>, _, _, _>::new("sums", Square, Sum, ((), 1), 1.0);
+        let mut results = vec![0.0; list.len()];
+        pass.traverse(&pass.terms.0, (list, rows), 0, [Some(&mut results[..])].into_iter().collect());
+        results
+    }
+
+    /// However many lie side by side, each particle has the sum of the plain loop over its neighbours, to the last bit.
+    #[test]
+    fn four_side_by_side_and_eight_give_the_same_bits() {
+        for count in [1, 4, 5, 37, 45] {
+            let of = |i: usize, by: f64| (by * (i as f64 + 1.0)).sin();
+            let [r, z, weight] =
+                [1.7, 2.9, 4.3].map(|by| (0..count).map(|i| 3.0 + of(i, by)).collect::<Vec<_>>());
+            let mut list = NeighbourList::default();
+            list.build([&r, &z, &vec![0.4; count]], &Domain::default());
+            let mut rows = RowTable::default();
+            rows.resize(count, list.images().len());
+            for i in 0..count {
+                rows.double[i] = Row([r[i], z[i], weight[i], 0.0, 0.0, 0.0, 0.0, 0.0]);
+            }
+            let expected = (0..count).map(|a| {
+                let add = |sum: f64, b: usize| {
+                    let (dr, dz) = (r[b] - r[a], z[b] - z[a]);
+                    let square = Lanes::splat(dr).mul_add(Lanes::splat(dr), Lanes::splat(dz * dz));
+                    Lanes::<f64>::splat(weight[b]).mul_add(square, Lanes::splat(sum)).to_array()[0]
+                };
+                list.of(a).fold(0.0, add) / weight[a]
+            });
+            let expected: Vec<f64> = expected.collect();
+            assert!(count < 37 || expected.iter().filter(|sum| **sum > 0.0).count() > count / 2);
+            assert_eq!(sums::<f64>(&list, &rows), expected);
+            assert_eq!(sums::<Four>(&list, &rows), expected);
+        }
     }
 }

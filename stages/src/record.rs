@@ -1,6 +1,6 @@
 //! What a flux pass knows of a particle: the packed record and its slots.
 
-use meniscus_engine::lanes::{Lanes, Places, Scalar, Slots};
+use meniscus_engine::lanes::{Double, Lanes, Places, Scalar, Slots};
 use meniscus_engine::pairs::Record;
 
 /// The precision of pair sums.
@@ -50,8 +50,8 @@ pub type FlowLanes<T> = Flow<Lanes<T>, Places<T>>;
 /// A record of the flow state alone.
 #[derive(Clone, Copy, Debug)]
 pub struct FlowRecord {
-    flow: FlowLanes<f64>,
-    coordinate: Lanes,
+    flow: FlowLanes<Double>,
+    coordinate: Lanes<Double>,
 }
 
 /// A record of flow state, kernel scale and rate of deformation.
@@ -102,24 +102,24 @@ pub trait DeformationState: FlowState {
 }
 
 impl Record for FlowRecord {
-    type Scalar = f64;
+    type Scalar = Double;
     #[inline(always)]
-    fn from_slots(slots: Slots) -> Self {
+    fn from_slots(slots: Slots<Double>) -> Self {
         FlowRecord { flow: Flow::of_slots(&slots), coordinate: slots.coordinate }
     }
 }
 
 impl FlowState for FlowRecord {
     #[inline(always)]
-    fn flow(&self) -> &FlowLanes<f64> {
+    fn flow(&self) -> &FlowLanes<Double> {
         &self.flow
     }
     #[inline(always)]
-    fn kernel_scale(&self) -> Lanes {
+    fn kernel_scale(&self) -> Lanes<Double> {
         Lanes::ONE
     }
     #[inline(always)]
-    fn coordinate(&self) -> Lanes {
+    fn coordinate(&self) -> Lanes<Double> {
         self.coordinate
     }
 }

@@ -2,7 +2,7 @@
 
 use super::builder::Builder;
 use crate::scene::{AxisTreatment, Scheme};
-use meniscus_engine::lanes::Packed;
+use meniscus_engine::lanes::{Double, Packed};
 use meniscus_engine::pairs::{PairPass, PairTerm};
 use meniscus_engine::pipeline::AnyStage;
 use meniscus_stages::contact::{Contact, ContactProblem, FirstOrder, Limited, Reconstruction, Shock};
@@ -52,14 +52,14 @@ impl Builder<'_> {
         let origin = self.physics.domain.origin;
         let axis_factor = self.physics.method.axis_factor;
         match (self.physics.method.scheme, self.physics.method.axis) {
-            (Scheme::Parshikov, _) => self.flux_with::<f64, _>(Parshikov { origin }),
+            (Scheme::Parshikov, _) => self.flux_with::<Double, _>(Parshikov { origin }),
             (_, AxisTreatment::Conservative) => match self.physics.method.precision {
-                Precision::Double => self.flux_with::<f64, _>(HarmonicMean { origin }),
+                Precision::Double => self.flux_with::<Double, _>(HarmonicMean { origin }),
                 Precision::Mixed => self.flux_with::<f32, _>(HarmonicMean { origin: origin / self.unit() }),
             },
             (_, AxisTreatment::Parshikov) => {
                 let support = self.packing.support(Precision::Double);
-                self.flux_with::<f64, _>(NearAxisParshikov { origin, axis_factor, support })
+                self.flux_with::<Double, _>(NearAxisParshikov { origin, axis_factor, support })
             }
         }
     }

@@ -1,12 +1,16 @@
 //! Packed rows: what a pair pass loads of each particle, and how eight of them become lanes.
 
-use super::{Lanes, Scalar, WIDTH};
+use super::scalar::Singles;
+use super::{Four, Lanes, Scalar, WIDTH};
 use crate::store::bytes_of;
 use wide::bytemuck::cast;
-use wide::{f32x4, f32x8, f64x8, u64x8};
+use wide::{f32x4, f32x8, f64x2, f64x4, f64x8, u64x4, u64x8};
 
 /// Slots of full precision in a row.
 pub const WHOLE: usize = 6;
+
+/// Number of particles that one [`Lanes`] of single precision holds.
+pub const SINGLES: usize = size_of::<Singles>() / size_of::<f32>();
 
 /// Slots of a row of single precision.
 pub const SLOTS: usize = 2 * WIDTH;
@@ -105,18 +109,21 @@ pub struct Slots<T: Scalar = f64> {
 
 /// A scalar of which rows are packed.
 pub trait Packed: Scalar {
-    /// Blocks of eight particles that lie side by side in lanes.
-    const BLOCKS: usize;
+    /// Particles side by side in lanes.
+    const LANES: usize;
 
-    /// Entry `k` of the lists of one block or two; a list's own particles stand in for what it lacks.
+    /// Bytes of a particle's row.
+    const BYTES: usize;
+
+    /// Entry `k` of the lists of one block of eight particles or two; a list's own particles stand in for what it lacks.
     fn entry<'a>(
         lists: &[&'a [[u32; WIDTH]]; 2],
         k: usize,
         own: &'a [[u32; WIDTH]; 2],
     ) -> [&'a [u32; WIDTH]; 2];
 
-    /// Loads rows and turns them into slots.
-    fn load(rows: &RowTable, particles: [&[u32; WIDTH]; 2]) -> Slots<Self>;
+    /// Loads rows of both blocks, or of the one, or of its half of that number, and turns them into slots.
+    fn load(rows: &RowTable, particles: [&[u32; WIDTH]; 2], half: usize) -> Slots<Self>;
 
     /// Asks for the rows of eight particles, so that they lie in the caches when they are loaded.
     fn prefetch(rows: &RowTable, particles: &[u32; WIDTH]);
@@ -130,49 +137,62 @@ pub trait Packed: Scalar {
 
     /// The same for as many as `values` takes.
     fn store_part(lanes: Lanes<Self>, scale: f64, values: &mut [f64]);
-
-    /// Bytes of a particle's row.
-    const BYTES: usize;
 }
 
-impl Packed for f64 {
-    const BLOCKS: usize = 1;
-    const BYTES: usize = size_of::<Row>();
+macro_rules! packed_double {
+    ($scalar:ident, $load:ident) => {
+        impl Packed for $scalar {
+            const LANES: usize = size_of::<Lanes<$scalar>>() / size_of::<f64>();
+            const BYTES: usize = size_of::<Row>();
 
-    #[inline(always)]
-    fn entry<'a>(
-        lists: &[&'a [[u32; WIDTH]]; 2],
-        k: usize,
-        own: &'a [[u32; WIDTH]; 2],
-    ) -> [&'a [u32; WIDTH]; 2] {
-        [&lists[0][k], &own[1]]
-    }
+            #[inline(always)]
+            fn entry<'a>(
+                lists: &[&'a [[u32; WIDTH]]; 2],
+                k: usize,
+                own: &'a [[u32; WIDTH]; 2],
+            ) -> [&'a [u32; WIDTH]; 2] {
+                [&lists[0][k], &own[1]]
+            }
 
-    #[inline(always)]
-    fn load(rows: &RowTable, [particles, _]: [&[u32; WIDTH]; 2]) -> Slots<f64> {
-        let row = |lane: usize| &rows.double[particles[lane] as usize];
-        let [whole @ .., shared, last] = Lanes::transpose(std::array::from_fn(row));
-        Slots { whole, halves: shared.halves(), thirds: last.thirds(), last, coordinate: whole[0] }
-    }
+            #[inline(always)]
+            fn load(rows: &RowTable, [particles, _]: [&[u32; WIDTH]; 2], half: usize) -> Slots<$scalar> {
+                let [whole @ .., shared, last] = $load(&rows.double, particles, half);
+                Slots { whole, halves: shared.halves(), thirds: last.thirds(), last, coordinate: whole[0] }
+            }
 
-    #[inline(always)]
-    fn prefetch(rows: &RowTable, particles: &[u32; WIDTH]) {
-        particles.iter().for_each(|&particle| prefetch(&rows.double, particle as usize));
-    }
+            #[inline(always)]
+            fn prefetch(rows: &RowTable, particles: &[u32; WIDTH]) {
+                particles.iter().for_each(|&particle| prefetch(&rows.double, particle as usize));
+            }
 
-    #[inline(always)]
-    fn store(lanes: Lanes, _: f64, values: &mut [f64]) {
-        values[..WIDTH].copy_from_slice(&lanes.to_array());
-    }
+            #[inline(always)]
+            fn store(lanes: Lanes<$scalar>, _: f64, values: &mut [f64]) {
+                values[..Self::LANES].copy_from_slice(&lanes.to_array());
+            }
 
-    #[cold]
-    fn store_part(lanes: Lanes, _: f64, values: &mut [f64]) {
-        values.copy_from_slice(&lanes.to_array()[..values.len()]);
-    }
+            #[cold]
+            fn store_part(lanes: Lanes<$scalar>, _: f64, values: &mut [f64]) {
+                values.copy_from_slice(&lanes.to_array()[..values.len()]);
+            }
+        }
+    };
+}
+packed_double!(f64, load_eight);
+packed_double!(Four, load_four);
+
+#[inline(always)]
+fn load_eight(rows: &[Row], particles: &[u32; WIDTH], _: usize) -> [Lanes; WIDTH] {
+    transpose(std::array::from_fn(|lane| &rows[particles[lane] as usize]))
+}
+
+#[inline(always)]
+fn load_four(rows: &[Row], particles: &[u32; WIDTH], half: usize) -> [Lanes<Four>; WIDTH] {
+    let four = &particles.as_chunks::<{ WIDTH / 2 }>().0[half];
+    transpose_four(std::array::from_fn(|lane| &rows[four[lane] as usize]))
 }
 
 impl Packed for f32 {
-    const BLOCKS: usize = 2;
+    const LANES: usize = SINGLES;
     const BYTES: usize = size_of::<SingleRow>();
 
     #[inline(always)]
@@ -185,13 +205,22 @@ impl Packed for f32 {
     }
 
     #[inline(always)]
-    fn load(rows: &RowTable, particles: [&[u32; WIDTH]; 2]) -> Slots<f32> {
+    fn load(rows: &RowTable, particles: [&[u32; WIDTH]; 2], _: usize) -> Slots<f32> {
         let row = |block: usize, lane: usize| &rows.single[particles[block][lane] as usize];
         let low: [&SingleRow; WIDTH] = std::array::from_fn(|lane| row(0, lane));
+        #[cfg(target_feature = "avx512f")]
         let high: [&SingleRow; WIDTH] = std::array::from_fn(|lane| row(1, lane));
         let quarter = |quarter: usize| -> [Lanes<f32>; WIDTH / 2] {
-            let (low, high) = (transpose_quarter(low, quarter), transpose_quarter(high, quarter));
-            std::array::from_fn(|k| Lanes(cast([low[k], high[k]])))
+            let low = transpose_quarter(low, quarter);
+            #[cfg(target_feature = "avx512f")]
+            let high = transpose_quarter(high, quarter);
+            std::array::from_fn(|k| {
+                Lanes(cast([
+                    low[k],
+                    #[cfg(target_feature = "avx512f")]
+                    high[k],
+                ]))
+            })
         };
         let ([a, b, c, d], [e, f, halves @ ..]) = (quarter(0), quarter(1));
         let ([thirds @ .., _], [coordinate, ..]) = (quarter(2), quarter(3));
@@ -206,7 +235,7 @@ impl Packed for f32 {
     #[inline(always)]
     fn store(lanes: Lanes<f32>, scale: f64, values: &mut [f64]) {
         let all = lanes.to_array().map(|value| f64::from(value) * scale);
-        values[..2 * WIDTH].copy_from_slice(&all);
+        values[..SINGLES].copy_from_slice(&all);
     }
 
     #[cold]
@@ -252,33 +281,41 @@ impl Lanes {
         let place = |number: Lanes, place: u32| rounded(number, THIRD) << (THIRD - place * (64 - THIRD));
         Lanes(cast(place(high, 0) | place(middle, 1) | place(low, 2)))
     }
-
-    /// The halves that share a slot.
-    #[inline(always)]
-    fn halves(self) -> [Lanes; 2] {
-        let bits: u64x8 = cast(self.0);
-        [Lanes(cut(self.0, HALF)), Lanes(cast(bits << HALF))]
-    }
-
-    /// The thirds that share a slot.
-    #[inline(always)]
-    fn thirds(self) -> [Lanes; 3] {
-        let bits: u64x8 = cast(self.0);
-        let third = |place: u32| Lanes(cut(cast(bits << (place * (64 - THIRD))), THIRD));
-        [third(0), third(1), third(2)]
-    }
 }
+
+macro_rules! shared_slots {
+    ($scalar:ident, $vector:ident, $bits:ident) => {
+        impl Lanes<$scalar> {
+            /// The halves that share a slot.
+            #[inline(always)]
+            fn halves(self) -> [Self; 2] {
+                let bits: $bits = cast(self.0);
+                [Self::cut(bits, HALF), Lanes(cast(bits << HALF))]
+            }
+
+            /// The thirds that share a slot.
+            #[inline(always)]
+            fn thirds(self) -> [Self; 3] {
+                let bits: $bits = cast(self.0);
+                let third = |place: u32| Self::cut(bits << (place * (64 - THIRD)), THIRD);
+                [third(0), third(1), third(2)]
+            }
+
+            /// Numbers without their last bits.
+            #[inline(always)]
+            fn cut(numbers: $bits, bits: u32) -> Self {
+                Lanes(cast::<$bits, $vector>(numbers) & $vector::splat(f64::from_bits(u64::MAX << bits)))
+            }
+        }
+    };
+}
+shared_slots!(f64, f64x8, u64x8);
+shared_slots!(Four, f64x4, u64x4);
 
 /// Bits of a number of double precision that half a slot and a third lack. What is left begins with sign and exponent,
 /// and is made a number again by moving it to its place.
 const HALF: u32 = 32;
 const THIRD: u32 = 43;
-
-/// Numbers without their last bits.
-#[inline(always)]
-fn cut(numbers: f64x8, bits: u32) -> f64x8 {
-    numbers & f64x8::splat(f64::from_bits(u64::MAX << bits))
-}
 
 /// The bits of numbers that are rounded to as many fewer, the last one kept in the lowest place.
 #[inline(always)]
@@ -368,35 +405,65 @@ fn transpose(rows: [&Row; WIDTH]) -> [Lanes; WIDTH] {
 #[cfg(not(target_feature = "avx512f"))]
 #[inline(always)]
 fn transpose(rows: [&Row; WIDTH]) -> [Lanes; WIDTH] {
-    std::array::from_fn(|slot| Lanes(wide::f64x8::new(std::array::from_fn(|lane| rows[lane].0[slot]))))
+    let half = |half: usize| transpose_four(std::array::from_fn(|k| rows[half * WIDTH / 2 + k]));
+    let (low, high) = (half(0), half(1));
+    std::array::from_fn(|slot| Lanes(cast([low[slot].0, high[slot].0])))
+}
+
+/// The same of four rows.
+#[inline(always)]
+fn transpose_four(rows: [&Row; WIDTH / 2]) -> [Lanes<Four>; WIDTH] {
+    let pair = |pair: usize| -> [Lanes<Four>; 2] {
+        let part = |row: usize| f64x2::new(rows[row].0.as_chunks().0[pair]);
+        // Rows k and k + 2 side by side, as they are loaded: the transpose's last step, which exchanges halves, falls away.
+        let both = |k: usize| cast::<[f64x2; 2], f64x4>([part(k), part(k + 2)]);
+        let slots = f64x4::transpose([both(0), both(1), f64x4::ZERO, f64x4::ZERO]);
+        let low = |lanes: f64x4| cast::<f64x4, [f64x2; 2]>(lanes)[0];
+        [Lanes(cast([low(slots[0]), low(slots[2])])), Lanes(cast([low(slots[1]), low(slots[3])]))]
+    };
+    let [[a, b], [c, d], [e, f], [g, h]] = [pair(0), pair(1), pair(2), pair(3)];
+    [a, b, c, d, e, f, g, h]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use wide::f32x16;
 
     #[test]
     fn rows_of_single_precision_become_slots() {
         let row = |row: usize| SingleRow(std::array::from_fn(|slot| (100 * row + slot) as f32));
         let rows = RowTable { single: (0..20).map(row).collect(), ..RowTable::default() };
         let particles: [[u32; WIDTH]; 2] = [[3, 1, 4, 19, 5, 9, 2, 6], [0, 0, 7, 8, 10, 11, 12, 18]];
-        let slots = f32::load(&rows, particles.each_ref());
+        let slots = f32::load(&rows, particles.each_ref(), 0);
         let all = slots.whole.iter().chain(&slots.halves).chain(&slots.thirds);
         for (slot, lanes) in all.enumerate().chain([(THIRDS, &slots.last), (COORDINATE, &slots.coordinate)]) {
-            let expected = particles.as_flattened().iter().map(|row| 100.0 * *row as f32 + slot as f32);
+            let expected =
+                particles.as_flattened()[..SINGLES].iter().map(|row| 100.0 * *row as f32 + slot as f32);
             assert!(lanes.to_array().into_iter().eq(expected), "slot {slot}");
         }
     }
 
     #[test]
     fn results_are_stored_in_double_precision() {
-        let lanes = Lanes::<f32>(f32x16::new(std::array::from_fn(|lane| lane as f32)));
-        let mut values = [0.0; SLOTS];
+        let lanes = Lanes::<f32>(Singles::new(std::array::from_fn(|lane| lane as f32)));
+        let mut values = [0.0; SINGLES];
         f32::store(lanes, 0.5, &mut values);
-        assert_eq!(values[15], 7.5);
+        assert_eq!(values[SINGLES - 1], 0.5 * (SINGLES - 1) as f64);
         f32::store_part(lanes, 2.0, &mut values[..3]);
         assert_eq!(values[..4], [0.0, 2.0, 4.0, 1.5]);
+    }
+
+    #[test]
+    fn half_a_block_has_the_slots_of_its_particles() {
+        let row = |row: usize| Row(std::array::from_fn(|slot| (100 * row + slot) as f64));
+        let rows: Vec<Row> = (0..20).map(row).collect();
+        let particles = [3, 1, 4, 19, 5, 9, 2, 6];
+        let eight = load_eight(&rows, &particles, 0);
+        for half in [0, 1] {
+            for (four, eight) in load_four(&rows, &particles, half).into_iter().zip(eight) {
+                assert_eq!(four.to_array(), eight.to_array()[4 * half..4 * half + 4]);
+            }
+        }
     }
 
     #[test]
@@ -422,7 +489,7 @@ mod tests {
         close(low, numbers[2], 21);
         let slot = Lanes::of_thirds(numbers.map(Lanes::splat));
         slot.thirds().into_iter().zip(numbers).for_each(|(found, number)| close(found, number, 10));
-        let turned = Lanes::splat(with_second_third_turned(lane(slot))).thirds().map(lane);
+        let turned = Lanes::<f64>::splat(with_second_third_turned(lane(slot))).thirds().map(lane);
         let [high, middle, low] = slot.thirds().map(lane);
         assert_eq!(turned, [high, -middle, low]);
         // Exact where the bits suffice, and what is not a number stays so.

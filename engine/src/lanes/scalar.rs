@@ -3,12 +3,48 @@
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use wide::bytemuck::cast;
-use wide::{f32x16, f64x8, i32x16};
+use wide::{f64x4, f64x8};
+
+pub use widest::Double;
+pub(super) use widest::Singles;
+use widest::Steps;
+
+/// Double precision, four side by side.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Four;
+
+/// With registers of 512 bits, of which there are thirty-two.
+#[cfg(target_feature = "avx512f")]
+mod widest {
+    pub use wide::{f32x16 as Singles, i32x16 as Steps};
+
+    /// Double precision of pair passes: as many side by side as a register holds.
+    pub type Double = f64;
+
+    #[inline(always)]
+    pub fn of_steps(steps: Steps) -> Singles {
+        Singles::from_i32x16(steps)
+    }
+}
+
+/// With narrower ones, of which there are sixteen: of eight pairs side by side most of what is computed would go to memory and back.
+#[cfg(not(target_feature = "avx512f"))]
+mod widest {
+    pub use wide::{f32x8 as Singles, i32x8 as Steps};
+
+    /// Double precision of pair passes: as many side by side as a register holds.
+    pub type Double = super::Four;
+
+    #[inline(always)]
+    pub fn of_steps(steps: Steps) -> Singles {
+        Singles::from_i32x8(steps)
+    }
+}
 
 /// A number of which as many as a register holds stand side by side in [`Lanes`](super::Lanes).
 pub trait Scalar: Copy + Debug + Default + PartialEq + Send + Sync + 'static {
     /// Those that stand side by side.
-    type Vector: Vector<Number = Self>;
+    type Vector: Vector;
 
     /// The least number of full precision.
     const LEAST: f64;
@@ -17,7 +53,7 @@ pub trait Scalar: Copy + Debug + Default + PartialEq + Send + Sync + 'static {
     const TINY: f64;
 
     /// The nearest such number.
-    fn nearest(value: f64) -> Self;
+    fn nearest(value: f64) -> <Self::Vector as Vector>::Number;
 
     /// b - a of two places on an axis, as slots hold them.
     fn displacement(a: Self::Vector, b: Self::Vector) -> Self::Vector;
@@ -27,31 +63,37 @@ pub trait Scalar: Copy + Debug + Default + PartialEq + Send + Sync + 'static {
 }
 
 /// Places are lengths.
-impl Scalar for f64 {
-    type Vector = f64x8;
-    const LEAST: f64 = f64::MIN_POSITIVE;
-    const TINY: f64 = 1e-200;
+macro_rules! double {
+    ($scalar:ident, $vector:ident) => {
+        impl Scalar for $scalar {
+            type Vector = $vector;
+            const LEAST: f64 = f64::MIN_POSITIVE;
+            const TINY: f64 = 1e-200;
 
-    #[inline(always)]
-    fn nearest(value: f64) -> f64 {
-        value
-    }
+            #[inline(always)]
+            fn nearest(value: f64) -> f64 {
+                value
+            }
 
-    #[inline(always)]
-    fn displacement(a: f64x8, b: f64x8) -> f64x8 {
-        b - a
-    }
+            #[inline(always)]
+            fn displacement(a: $vector, b: $vector) -> $vector {
+                b - a
+            }
 
-    #[inline(always)]
-    fn coordinate(place: f64x8, _: f64x8, _: f64x8) -> f64x8 {
-        place
-    }
+            #[inline(always)]
+            fn coordinate(place: $vector, _: $vector, _: $vector) -> $vector {
+                place
+            }
+        }
+    };
 }
+double!(f64, f64x8);
+double!(Four, f64x4);
 
 /// Places are counted in [`PLACE_STEP`]s, as integers in the bits of a slot that may run over: the difference
 /// of two near places is exact however far they lie from the origin.
 impl Scalar for f32 {
-    type Vector = f32x16;
+    type Vector = Singles;
     const LEAST: f64 = f32::MIN_POSITIVE as f64;
     const TINY: f64 = 1e-24;
 
@@ -61,13 +103,13 @@ impl Scalar for f32 {
     }
 
     #[inline(always)]
-    fn displacement(a: f32x16, b: f32x16) -> f32x16 {
-        let steps: i32x16 = cast::<f32x16, i32x16>(b) - cast::<f32x16, i32x16>(a);
-        f32x16::from_i32x16(steps) * f32x16::splat(PLACE_STEP as f32)
+    fn displacement(a: Singles, b: Singles) -> Singles {
+        let steps: Steps = cast::<Singles, Steps>(b) - cast::<Singles, Steps>(a);
+        widest::of_steps(steps) * Singles::splat(PLACE_STEP as f32)
     }
 
     #[inline(always)]
-    fn coordinate(place: f32x16, near: f32x16, near_coordinate: f32x16) -> f32x16 {
+    fn coordinate(place: Singles, near: Singles, near_coordinate: Singles) -> Singles {
         near_coordinate + Self::displacement(near, place)
     }
 }
@@ -167,7 +209,8 @@ macro_rules! vector {
     };
 }
 vector!(f64x8, f64);
-vector!(f32x16, f32);
+vector!(f64x4, f64);
+vector!(Singles, f32);
 
 #[cfg(test)]
 mod tests {
@@ -175,7 +218,7 @@ mod tests {
     use crate::lanes::{Lanes, Places};
 
     fn displacement(a: f64, b: f64) -> f32 {
-        let places = |value| Places::of_slot(Lanes::<f32>(f32x16::splat(place(value))));
+        let places = |value| Places::of_slot(Lanes::<f32>(Singles::splat(place(value))));
         places(a).to(places(b)).to_array()[0]
     }
 
