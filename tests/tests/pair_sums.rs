@@ -3,7 +3,7 @@
 use meniscus_cases::assemble::Physics;
 use meniscus_cases::scene::{Flux, Method, Precision};
 use meniscus_tests::liquid::{self, Block, DEFORMATION, DENSITY, FLUXES, Random, SIZE, SOUND_SPEED, WEIGHTS};
-use meniscus_tests::reference::{Particle, Sums, rounded, van_leer};
+use meniscus_tests::reference::{Particle, Sums, rounded};
 
 /// Sums of some fifty terms in another order, and inverses that are shared: an error of 1e-14 of the
 /// largest term; the largest column is at least a thousandth of that.
