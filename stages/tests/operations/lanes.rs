@@ -4,7 +4,7 @@ use std::cell::Cell;
 use std::marker::PhantomData;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
-pub use engine::lanes::{Scalar, WHOLE};
+pub use engine::lanes::{Double, Scalar, WHOLE};
 
 thread_local! {
     static OPERATIONS: Cell<u64> = const { Cell::new(0) };

@@ -16,6 +16,8 @@ mod contact;
 mod fields;
 #[path = "../../src/geometry.rs"]
 mod geometry;
+#[path = "../../src/image_contact.rs"]
+mod image_contact;
 mod lanes;
 #[path = "../../../engine/src/pairs/terms.rs"]
 mod pairs;
@@ -87,7 +89,7 @@ fn terms_do_what_they_declare() {
     term("energy rate", EnergyRate::new(wiring, GEOMETRY));
     term("ghost weight", GhostWeight::new(wiring, GEOMETRY));
     term("moment matrix", MomentMatrix::new(wiring));
-    term("pressure", PressureRiemann::new(wiring, GEOMETRY, true));
+    term("pressure", PressureRiemann::new(wiring, GEOMETRY, Some((SUPPORT, FirstOrder)), true));
     term("velocity sum", VelocitySum::new(wiring));
     term("viscosity", Viscosity::new(wiring, GEOMETRY, 1e-3, false));
     term("viscosity with its power", Viscosity::new(wiring, GEOMETRY, 1e-3, true));
