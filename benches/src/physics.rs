@@ -146,6 +146,7 @@ mod tests {
                     "strain-correction",
                     "void-closing",
                     "reference-pressure",
+                    "wanted-size",
                     "size-evening",
                     "split-and-merge",
                 ],

@@ -9,6 +9,7 @@ use crate::surface::{BOUNDARY, for_surface};
 use crate::surface_interval::{COMPUTED, Tension};
 use crate::surface_neighbours::SurfaceNeighbours;
 use crate::surface_search::{Found, SHARPEST, Start, even, find};
+use crate::wanted_size::MOST_REFINED;
 use atomic_refcell::AtomicRefMut;
 use meniscus_engine::field::clear;
 use meniscus_engine::parallel;
@@ -358,7 +359,9 @@ impl Stage for CurvatureColour {
     }
 
     fn run(&mut self, world: &mut World) -> Result<(), Fault> {
-        world.clock.limit("surface tension", self.step_bound);
+        // Supports follow the sizes of the particles, and so does the length that is resolved, to whose power of 3/2 the bound is.
+        let finest = (1.0 - world.clock.number(MOST_REFINED)).powf(0.75);
+        world.clock.limit("surface tension", self.step_bound * finest);
         if !self.settings.tension.is_due(&world.clock) {
             return Ok(());
         }

@@ -89,6 +89,13 @@ pub static SURFACE_OFFSET_Z: Real = Field::state(
     "m",
     "The way to the surface when the curvature was last computed, axial component; zero inside.",
 );
+/// What of a particle's area at the start is not wanted where it is.
+pub static REFINEMENT: Real = Field::state(
+    "refinement",
+    "1 - V_w/V_0",
+    "1",
+    "What of the area at the start is not wanted: zero but where a thread is thin.",
+);
 /// Unit tangent of the surface, radial component.
 pub static SURFACE_TANGENT_R: Real = Field::state(
     "surface_tangent_r",

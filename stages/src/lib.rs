@@ -43,4 +43,5 @@ pub mod time_step;
 pub mod velocity_gradient;
 pub mod viscosity;
 pub mod void_closing;
+pub mod wanted_size;
 mod work;

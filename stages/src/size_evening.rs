@@ -31,8 +31,8 @@ const NEIGHBOURS: f64 = 16.0;
 pub(crate) type Carried = ArrayVec<Update<f64>, CARRIED>;
 const CARRIED: usize = 5;
 
-/// Of two neighbours with areas V = D^2 the larger gives the smaller one mass until x = (V_b - V_a)/(V_a + V_b) is no
-/// more than the tolerance:
+/// Of two neighbours with areas V = D^2, over what they want to have (`wanted_size`), the larger gives the smaller one mass until
+/// x = (V_b - V_a)/(V_a + V_b) is no more than the tolerance:
 ///
 ///   dm_ab = PART (1 - q)/(16 theta^2) 2 m_a m_b/(m_a + m_b) (x - TOLERANCE sign x).
 ///
@@ -54,6 +54,7 @@ pub struct SizeEvening {
     position: [Update<f64>; 2],
     velocity: [Read<f64>; 2],
     mass: Update<f64>,
+    refinement: Read<f64>,
     carried: Carried,
 }
 
@@ -78,6 +79,7 @@ impl SizeEvening {
             velocity: [wiring.read(&fields::VELOCITY_R), wiring.read(&fields::VELOCITY_Z)],
             position: [wiring.update(&fields::RADIUS), wiring.update(&fields::AXIAL)],
             mass: wiring.update(&fields::MASS),
+            refinement: wiring.read(&fields::REFINEMENT),
             carried: carried_by_mass(wiring, two_step, with_energy),
         }
     }
@@ -86,9 +88,11 @@ impl SizeEvening {
     /// memory of a step: in a violent flow it is of most.)
     fn find_uneven<'a>(&self, world: &'a World) -> &'a [u32] {
         let (packed, list) = (PackedState(&world.rows), &world.neighbours);
+        let refinement = world.store.read(self.refinement);
+        let area = |i: usize| packed.area(i) / (1.0 - refinement[i]);
         let is_uneven = |i: &u32| {
-            let own = packed.area(*i as usize);
-            list.of(*i as usize).any(|number| excess(own, packed.area(list.source(number))) != 0.0)
+            let own = area(*i as usize);
+            list.of(*i as usize).any(|number| excess(own, area(list.source(number))) != 0.0)
         };
         let uneven = world.arena.alloc_slice_fill_copy(world.store.len(), 0);
         let mut count = 0;
@@ -109,12 +113,15 @@ impl SizeEvening {
             self.carried.iter().map(|&field| world.store.write(field)).collect();
         let carried: ArrayVec<&[f64], CARRIED> = carried.iter().map(|column| &column[..]).collect();
         let (r, z, mass, list) = (&r[..], &z[..], &mass[..], &world.neighbours);
+        let refinement = world.store.read(self.refinement);
+        let refinement = &refinement[..];
+        let area = |i: usize| packed.area(i) / (1.0 - refinement[i]);
         let part = PART / (NEIGHBOURS * self.packing.theta.powi(2));
         let gain_of = |a: usize| {
             let mut gain = Gain::default();
             for number in list.of(a) {
                 let b = list.source(number);
-                let excess = excess(packed.area(a), packed.area(b));
+                let excess = excess(area(a), area(b));
                 if excess == 0.0 {
                     continue;
                 }

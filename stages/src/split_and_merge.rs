@@ -13,7 +13,7 @@ use meniscus_engine::store::{Read, Store, Update};
 use meniscus_engine::wiring::Wiring;
 use std::f64::consts::FRAC_PI_2;
 
-/// Area, over that at the start, above which a particle becomes two: each has about the area at the start then.
+/// Area, over the wanted one, above which a particle becomes two: each has about the wanted area then.
 const LARGEST: f64 = 2.0;
 /// Area below which a particle looks for one to merge with; no more than twice this both may have. With .25 fast collisions and
 /// long drops take 18 and 19 % more steps, for about the same energy won (while particles at the surface merged, too).
@@ -36,6 +36,8 @@ const DISTINCT: f64 = 0.01;
 /// A ring keeps its mass m = 2 pi R V rho, so its area V grows as the flow draws it in to the axis. A thread that has thinned to a
 /// tenth of a jet's radius consists of rings that are 3.2 times as large as the jet's were: 30 particles to the jet's radius are
 /// one to the thread's, and it tears too slowly (`cases/rayleigh-plateau-jet`).
+///
+/// V_0 stands for what a particle is to have: its area at the start, and less where a thread is thin (`wanted_size`).
 ///
 /// *Splitting.* V > 2 V_0 becomes two of equal areas, D/4 to either side along the direction in which the fewest
 /// neighbours lie; along the boundary where the particle belongs to it, and along the axis where R < D. With
@@ -61,6 +63,7 @@ pub struct SplitAndMerge {
     identity: Update<u32>,
     surface: Read<u32>,
     drop: Read<u32>,
+    refinement: Read<f64>,
     carried: Carried,
     energy: Option<Update<f64>>,
 }
@@ -99,23 +102,25 @@ impl SplitAndMerge {
             identity: wiring.update(&fields::IDENTITY),
             surface: wiring.read(&fields::SURFACE),
             drop: wiring.read(&fields::DROP),
+            refinement: wiring.read(&fields::REFINEMENT),
             carried: carried_by_mass(wiring, two_step, with_energy),
             energy: with_energy.then(|| wiring.update(&fields::TOTAL_ENERGY)),
         }
     }
 
-    /// V/V_0 of a particle from its radius, density and mass.
-    fn area(&self, r: f64, density: f64, mass: f64) -> f64 {
-        self.packing.area(r, density, mass) / self.first_area
+    /// V/V_w of a particle from its radius, density, mass and refinement.
+    fn area(&self, r: f64, density: f64, mass: f64, refinement: f64) -> f64 {
+        self.packing.area(r, density, mass) / self.first_area / (1.0 - refinement)
     }
 
     /// Who is too large, and who is too small.
     fn find<'a>(&self, store: &Store, arena: &'a Bump) -> [Vec<'a, u32>; 2] {
         let [r, _] = self.position.map(|field| store.write(field));
         let (density, mass) = (store.write(self.density), store.write(self.mass));
+        let refinement = store.read(self.refinement);
         let mut found = [Vec::new_in(arena), Vec::new_in(arena)];
-        for (i, ((&r, &density), &mass)) in r.iter().zip(&*density).zip(&*mass).enumerate() {
-            let area = self.area(r, density, mass);
+        for i in 0..r.len() {
+            let area = self.area(r[i], density[i], mass[i], refinement[i]);
             if area > LARGEST {
                 found[0].push(i as u32);
             }
@@ -202,7 +207,8 @@ impl SplitAndMerge {
         let [r, z] = self.position.map(|field| store.write(field));
         let (density, mass) = (store.write(self.density), store.write(self.mass));
         let (surface, drop) = (store.read(self.surface), store.read(self.drop));
-        let area = |i: usize| self.area(r[i], density[i], mass[i]);
+        let refinement = store.read(self.refinement);
+        let area = |i: usize| self.area(r[i], density[i], mass[i], refinement[i]);
         let is_taken = arena.alloc_slice_fill_copy(store.len(), false);
         for a in small.iter().map(|&particle| particle as usize) {
             if is_taken[a] {

@@ -5,6 +5,7 @@ use meniscus_cases::measure::Observer;
 use meniscus_cases::scene::{Scene, read};
 use meniscus_cases::simulation::Simulation;
 use meniscus_tests::drops::{self, column, totals};
+use std::f64::consts::PI;
 use std::path::Path;
 
 /// Most neighbours of one particle within its list, over the most of the packing at the start: 100 at the least
@@ -234,22 +235,25 @@ fn small_rings_do_not_hold_the_steps_of_all() {
 }
 
 /// A ring keeps its mass, so particles at the axis would become large, and far out small: without splitting and merging to .41 and 3.0,
-/// 1.0 and 16, .26 and 2.9 times the area at the start. Of all but a fiftieth to either side: lone particles have nobody to merge
+/// 1.0 and 16, .26 and 2.9 times the area at the start, which is what they want to have but in thin threads. Of all but a fiftieth to either side: lone particles have nobody to merge
 /// with, and what comes to the axis grows within a few steps.
 #[test]
 fn particles_stay_as_large_as_the_scene_says() {
     let cases = [
-        ("rayleigh-plateau-jet/pinch-off.toml", "particle_size=radius/12"),
-        ("closing-torus/hard.toml", "particle_size=60 nm"),
-        ("drop-collision-capillary/hard.toml", "particle_size=60 nm"),
+        // Once threads have torn their small particles grow again more slowly than what they want to have.
+        ("rayleigh-plateau-jet/pinch-off.toml", "particle_size=radius/12", 0.15),
+        ("closing-torus/hard.toml", "particle_size=60 nm", 0.15),
+        ("drop-collision-capillary/hard.toml", "particle_size=60 nm", 0.35),
     ];
-    for (case, setting) in cases {
+    for (case, setting, least) in cases {
         let scene = hard(case, &[setting]);
         let mut simulation = drops::start(&scene);
         let start = totals(&simulation);
         let areas = |simulation: &Simulation| {
-            let [m, r, density] = ["mass", "radius", "density"].map(|name| column(simulation, name));
-            let mut areas: Vec<f64> = (0..m.len()).map(|i| m[i] / (r[i] * density[i])).collect();
+            let [m, r, density, refinement] =
+                ["mass", "radius", "density", "refinement"].map(|name| column(simulation, name));
+            let over_wanted = |i: usize| m[i] / (r[i] * density[i] * (1.0 - refinement[i]));
+            let mut areas: Vec<f64> = (0..m.len()).map(over_wanted).collect();
             areas.sort_by(f64::total_cmp);
             areas
         };
@@ -266,9 +270,41 @@ fn particles_stay_as_large_as_the_scene_says() {
             largest = largest.max(areas[areas.len() - 1 - few] / first);
         }
         println!("{case}: areas from {smallest:.2} to {largest:.2}");
-        assert!(smallest > 0.35 && largest < 2.5, "{case}: areas from {smallest} to {largest}");
+        assert!(smallest > least && largest < 2.5, "{case}: areas from {smallest} to {largest}");
         let end = totals(&simulation);
         assert!((end.mass / start.mass - 1.0).abs() < 1e-13);
+    }
+}
+
+/// A thread of a few particles to its radius has too low a pressure beside its waist, and tears too slowly: there they become
+/// smaller. (Of themselves rings that are drawn in to the axis only grow.) Drops keep theirs, however few they are.
+#[test]
+fn a_thin_thread_consists_of_small_particles() {
+    let ended = |case: &str, settings: &[&str]| {
+        let scene = hard(case, settings);
+        let mut simulation = drops::start(&scene);
+        while simulation.world.clock.time < scene.until {
+            drops::advance(&mut simulation, 20);
+        }
+        simulation
+    };
+    let jet = ended("rayleigh-plateau-jet/pinch-off.toml", &["particle_size=radius/12", "times=7.7"]);
+    let [m, r, z, density] = ["mass", "radius", "axial", "density"].map(|name| column(&jet, name));
+    let first = jet.physics.particle_size.powi(2);
+    // The jet's radius is 1 um, and a thread forms about z = 0.
+    let in_thread = (0..m.len()).filter(|i| z[*i].abs() < 2e-6);
+    let mut areas: Vec<f64> = in_thread.map(|i| m[i] / (2.0 * PI * r[i] * density[i] * first)).collect();
+    areas.sort_by(f64::total_cmp);
+    let median = areas[areas.len() / 2];
+    println!("{} particles in the thread have {median:.2} of the area at the start", areas.len());
+    assert!(median < 0.75, "{median}");
+    for (case, settings) in [
+        ("oscillating-drop/scene.toml", ["particle_size=radius/8", "periods=1"]),
+        ("large-amplitude-drop/scene.toml", ["particle_size=radius/12", "periods=1"]),
+        ("laplace-drop/scene.toml", ["particle_size=radius/8", "times=2"]),
+    ] {
+        let drop = ended(case, &settings);
+        assert!(column(&drop, "refinement").into_iter().all(|refinement| refinement == 0.0), "{case}");
     }
 }
 

@@ -48,6 +48,18 @@ fn particles_that_split_and_merge() {
     resumed(&scene, 2400, 20);
 }
 
+/// The jet is so thin from the start on that its particles become smaller.
+#[test]
+fn a_thread_whose_particles_become_smaller() {
+    const JET: &str = include_str!("../../cases/rayleigh-plateau-jet/pinch-off.toml");
+    let scene = drops::scene(JET, &["particle_size=radius/7"]);
+    let mut simulation = drops::start(&scene);
+    let first = drops::identities(&simulation).len();
+    drops::advance(&mut simulation, 600);
+    assert!(drops::identities(&simulation).len() > first + 20, "nobody was split");
+    resumed(&scene, 600, 20);
+}
+
 /// The whole mass was summed anew with every list: not after an exchange of mass, but after a restart. Only rarely
 /// is the recoil large enough for forces to show such a change of the last bit.
 #[test]

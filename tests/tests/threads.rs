@@ -63,3 +63,11 @@ fn two_drops_that_collide() {
     drops::advance(&mut simulation, 800);
     assert!(simulation.world.store.len() < particles - 10, "hardly any merged");
 }
+
+/// The jet is so thin from the start on that its particles become smaller.
+#[test]
+fn a_thin_jet() {
+    const JET: &str = include_str!("../../cases/rayleigh-plateau-jet/pinch-off.toml");
+    let scene = drops::scene(JET, &["particle_size=radius/7", "wavenumber=0.15"]);
+    same_of(&scene, 400);
+}

@@ -31,6 +31,7 @@ use meniscus_stages::time_step::{Courant, TimeStep};
 use meniscus_stages::velocity_gradient::VelocityGradient;
 use meniscus_stages::viscosity::Viscosity;
 use meniscus_stages::void_closing::VoidClosing;
+use meniscus_stages::wanted_size::WantedSize;
 use std::sync::{Arc, Mutex};
 
 pub(super) type Stages = Vec<AnyStage>;
@@ -98,6 +99,11 @@ impl Builder<'_> {
         stages.push(AnyStage::chunks(ListCheck::new(&mut self.wiring, self.packing)));
         self.plan("equation-of-state", true, ("pressure from density, packed rows for the next step", ""));
         stages.push(ahead);
+        let reasons = ("thin threads need smaller particles", "no reference, or no colour field");
+        if self.plan("wanted-size", self.with_reference() && self.with_slope(), reasons) {
+            let tension = self.physics.surface_tension;
+            stages.push(AnyStage::whole(WantedSize::new(&mut self.wiring, self.packing, tension)));
+        }
         let reasons =
             ("rings that leave the axis are small, and large where they come to it", "no reference");
         if self.plan("size-evening", self.with_reference(), reasons) {

@@ -12,11 +12,12 @@ use meniscus_stages::correction::WHOLE_MASS;
 use meniscus_stages::fields;
 use meniscus_stages::reference_pressure::FIRST_REFERENCE;
 use meniscus_stages::surface_interval::{COMPUTED, HOLDS_UNTIL};
+use meniscus_stages::wanted_size::MOST_REFINED;
 
 /// The marks that stages set on the clock.
 const MARKS: [&str; 3] = [COMPUTED, HOLDS_UNTIL, "list"];
 /// The numbers of the whole scene that stages keep there.
-const NUMBERS: [&str; 2] = [FIRST_REFERENCE, WHOLE_MASS];
+const NUMBERS: [&str; 3] = [FIRST_REFERENCE, WHOLE_MASS, MOST_REFINED];
 /// Start of the names of numbers that count the steps which a bound has set.
 const BOUND: &str = "steps bound by ";
 
