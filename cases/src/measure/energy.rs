@@ -12,12 +12,21 @@ pub(super) fn drift(scene: &Scene, history: &History) -> Outcome {
     Outcome::of(name, drift.map(|(change, scale)| change / scale), "1").against(0.0)
 }
 
-/// Largest rise of the energy above the least that it had before, over that at the start.
+/// Largest rise of the energy above the least that it had before, over that at the start. Of three outputs in a row the middle
+/// energy counts: where a surface is crumpled its measured area is wrong by a per cent now and then, in single outputs.
 pub(super) fn gain(scene: &Scene, history: &History) -> Outcome {
     let name = "energy-gain".to_owned();
     let Some(energy) = energies(scene, history) else { return unknown(name) };
-    let gain = largest_rise(&energy).zip(energy.first()).map(|(rise, start)| rise / start);
+    let gain = largest_rise(&medians(&energy)).zip(energy.first()).map(|(rise, start)| rise / start);
     Outcome::of(name, gain, "1").against(0.0)
+}
+
+/// Each value's median with the one before and the one after it; the first and the last value stay.
+fn medians(values: &[f64]) -> Vec<f64> {
+    let median = |three: &[f64]| three[0].max(three[1]).min(three[0].min(three[1]).max(three[2]));
+    let inner = values.windows(3).map(median);
+    let (first, last) = (values.first(), values.last().filter(|_| values.len() > 1));
+    first.copied().into_iter().chain(inner).chain(last.copied()).collect()
 }
 
 /// Largest difference of a value to the least one before it; `None` for fewer than two values.
@@ -59,5 +68,15 @@ mod tests {
         assert_eq!(largest_rise(&[5.0, 4.0, 3.5, 1.0]), Some(0.0));
         assert_eq!(largest_rise(&[5.0, 4.0, 4.5, 2.0, 3.25, 3.0]), Some(1.25));
         assert_eq!(largest_rise(&[5.0]), None);
+    }
+
+    #[test]
+    fn single_outputs_do_not_count() {
+        assert_eq!(medians(&[5.0, 4.0, 3.0, 4.0, 4.5, 3.5, 3.0]), [5.0, 4.0, 4.0, 4.0, 4.0, 3.5, 3.0]);
+        // What lasts does.
+        assert_eq!(medians(&[5.0, 4.0, 4.0, 4.5, 4.5, 3.0]), [5.0, 4.0, 4.0, 4.5, 4.5, 3.0]);
+        for few in [&[][..], &[2.0], &[3.0, 4.0]] {
+            assert_eq!(medians(few), few);
+        }
     }
 }
