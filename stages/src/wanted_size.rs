@@ -11,36 +11,36 @@ use meniscus_engine::wiring::Wiring;
 /// The largest part of the area at the start that anyone lacks of it, a number of the clock.
 pub const MOST_REFINED: &str = "largest refinement";
 
-/// Radius of a thread, in particle sizes of the start, below which its particles are to be smaller. With 22 and 25 to the jet's radius c is off
-/// by -3.7 % (prototypes), with 14 by -3.7 %, too; with 7 (and LEAST = 1/4, at once) half of the error was left.
+/// Radius of a thread, in particle sizes of the start, below which its particles are to be smaller. With 14 jets tear no better;
+/// with 7 half of the error is left (`cases/rayleigh-plateau-jet` has the variants' figures).
 const PARTICLES: f64 = 10.0;
 
-/// Least wanted area over that at the start: with a quarter the same two are off by -4.4 %.
+/// Least wanted area over that at the start: with a quarter a fifth more of the error is left.
 const LEAST: f64 = 0.125;
 
 /// How many times as large as the least wanted area around a particle its own may be.
 const GRADE: f64 = 1.3;
 
-/// By how much a wanted area falls from one look to the next, at most: what is thin for a moment is roughness, which a thread outlasts. (At
-/// once, with LEAST = 1/4, twelve fast collisions gained .56 % of their energy in the mean and took 21 % more steps; so they gain .30 % in 2 % more, and
-/// .32 where nobody is refined.)
+/// By how much a wanted area falls from one look to the next, at most: what is thin for a moment is roughness, which a thread
+/// outlasts. (At once fast collisions won twice as much energy and took 21 % more steps; so they win as much as without, in 2 %
+/// more.)
 const FALL: f64 = 1.15;
 
 /// A place on the surface counts as no nearer to the axis than so many particle sizes.
 const NEAREST: f64 = 0.5;
 
-/// A thread that thins to a few particle sizes has a peak of pressure beside its waist which is narrower than their supports, so it
-/// tears too slowly (`cases/rayleigh-plateau-jet`). There particles are to have the areas
+/// A thread that thins to a few particle sizes has a peak of pressure beside its waist which is narrower than their supports, so
+/// it tears too slowly (`cases/rayleigh-plateau-jet`). There particles are to have the areas
 ///
 ///   V_w = V_0 min(1, max(LEAST, 1/(PARTICLES D_0 k)^2)),  k = n_r/R - max(0, P_L/sigma - n_r/R),
 ///
-/// the curvature around the axis less that along the outline: one over the radius of a thread, zero for a sphere. So drops keep their
-/// sizes, however coarse they are, and rims and films theirs. Nobody wants more than GRADE times what the least of its listed
-/// neighbours, or itself, wanted at the look before: sizes differ by a bounded factor from one to the next, inside as at the surface, and
-/// where a thread has torn they come back within some looks.
+/// k the curvature around the axis less that along the outline: one over the radius of a thread, zero for a sphere. So drops keep
+/// their sizes, however coarse they are, and rims and films theirs. Nobody wants more than GRADE times what the least of its
+/// listed neighbours, or itself, wanted at the look before: sizes differ by a bounded factor from one to the next, inside as at
+/// the surface, and where a thread has torn they come back within some looks.
 ///
-/// Particles are split, merged and evened by their V/V_w (`split_and_merge`, `size_evening`). Where nobody is refined nothing changes, not a
-/// bit. The column holds 1 - V_w/V_0, which is zero then.
+/// Particles are split, merged and evened by their V/V_w (`split_and_merge`, `size_evening`). Where nobody is refined nothing
+/// changes, not a bit. The column holds 1 - V_w/V_0, which is zero then.
 pub struct WantedSize {
     packing: Packing,
     /// sigma, N/m.

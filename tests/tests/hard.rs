@@ -235,8 +235,8 @@ fn small_rings_do_not_hold_the_steps_of_all() {
 }
 
 /// A ring keeps its mass, so particles at the axis would become large, and far out small: without splitting and merging to .41 and 3.0,
-/// 1.0 and 16, .26 and 2.9 times the area at the start, which is what they want to have but in thin threads. Of all but a fiftieth to either side: lone particles have nobody to merge
-/// with, and what comes to the axis grows within a few steps.
+/// 1.0 and 16, .26 and 2.9 times the area at the start, which is what they want to have but in thin threads. Of all but a
+/// fiftieth to either side: lone particles have nobody to merge with, and what comes to the axis grows within a few steps.
 #[test]
 fn particles_stay_as_large_as_the_scene_says() {
     let cases = [
