@@ -74,7 +74,9 @@ fn a_profile_tells_the_speed_of_every_stage_and_changes_nothing() {
         if !busy.is_empty() {
             let imbalance = number(&stage["imbalance"]);
             assert!(busy.len() == 2 && (1.0..=2.0).contains(&imbalance), "{stage}");
-            assert!(busy.iter().all(|busy| (0.0..=1.0).contains(&number(busy))), "{stage}");
+            let all: f64 = busy.iter().map(number).sum();
+            // Of each call's time less than a nanosecond is cut off.
+            assert!(all > 0.0 && all < 2.0 + 1e-3, "{stage}");
         }
     }
     let flux = stages.iter().find(|stage| stage["name"] == "flux").unwrap();

@@ -41,7 +41,7 @@ mod widest {
     }
 }
 
-/// A number of which as many as a register holds stand side by side in [`Lanes`](super::Lanes).
+/// A kind of number of which several stand side by side in [`Lanes`](super::Lanes).
 pub trait Scalar: Copy + Debug + Default + PartialEq + Send + Sync + 'static {
     /// Those that stand side by side.
     type Vector: Vector;

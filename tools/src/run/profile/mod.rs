@@ -44,10 +44,11 @@ fn find<'a>(busy: &'a [Busy], stage: &str) -> Option<&'a Busy> {
     busy.iter().find(|busy| busy.stage == stage && busy.longest > 0)
 }
 
-/// The part of the elapsed time in which each thread was busy. Stages that take chunks in turn share theirs by what all threads
-/// did for each: one thread can have done more for one of them, while the other was kept from running.
+/// The part of the elapsed time in which each thread was busy. Stages that take chunks in turn share that time by what all
+/// threads did for each: of one of them a thread can have done more than it lasts, while the other was at the next. All
+/// together are no busier than their number.
 fn shares(busy: &Busy) -> Vec<f64> {
-    busy.threads.iter().map(|&thread| (thread as f64 / busy.elapsed as f64).min(1.0)).collect()
+    busy.threads.iter().map(|&thread| thread as f64 / busy.elapsed as f64).collect()
 }
 
 /// The longest time that a thread was busy over the mean of all threads, call by call: so much
