@@ -23,8 +23,7 @@ pub struct Clock {
     bound: Option<Bound>,
     stated: Vec<Bound>,
     counts: Vec<(Cow<'static, str>, u64)>,
-    marks: Vec<(&'static str, f64)>,
-    numbers: Vec<(&'static str, f64)>,
+    numbers: Vec<(Cow<'static, str>, f64)>,
 }
 
 impl Default for Clock {
@@ -43,8 +42,7 @@ impl Clock {
             bound: None,
             stated: Vec::with_capacity(8),
             counts: Vec::with_capacity(8),
-            marks: Vec::with_capacity(8),
-            numbers: Vec::with_capacity(2),
+            numbers: Vec::with_capacity(16),
         }
     }
 
@@ -96,46 +94,42 @@ impl Clock {
         steps
     }
 
-    /// Notes the present time under a name, for example when something was last computed. Marks are
-    /// part of the state: a checkpoint carries them.
-    pub fn set_mark(&mut self, name: &'static str) {
-        self.restore_mark(name, self.time);
-    }
-
-    /// Sets a mark to a time in seconds, from a checkpoint.
-    pub fn restore_mark(&mut self, name: &'static str, time: f64) {
-        match self.marks.iter_mut().find(|(known, _)| *known == name) {
-            Some((_, mark)) => *mark = time,
-            None => self.marks.push((name, time)),
-        }
-    }
-
-    /// The time in seconds that was noted under a name; the present time if none was.
-    pub fn mark(&self, name: &str) -> f64 {
-        self.marks.iter().find(|(known, _)| *known == name).map_or(self.time, |(_, mark)| *mark)
-    }
-
-    /// All marks.
-    pub fn marks(&self) -> &[(&'static str, f64)] {
-        &self.marks
-    }
-
     /// Sets a number of the whole scene. It is part of the state: a checkpoint carries it.
     pub fn set_number(&mut self, name: &'static str, value: f64) {
+        self.restore_number(Cow::Borrowed(name), value);
+    }
+
+    /// Sets a number of any name, from a checkpoint.
+    pub fn restore_number(&mut self, name: Cow<'static, str>, value: f64) {
         match self.numbers.iter_mut().find(|(known, _)| *known == name) {
             Some((_, number)) => *number = value,
             None => self.numbers.push((name, value)),
         }
     }
 
+    /// A number of the whole scene, if one of that name was set.
+    pub fn known(&self, name: &str) -> Option<f64> {
+        self.numbers.iter().find(|(known, _)| known == name).map(|(_, number)| *number)
+    }
+
     /// A number of the whole scene; zero if none of that name was set.
     pub fn number(&self, name: &str) -> f64 {
-        self.numbers.iter().find(|(known, _)| *known == name).map_or(0.0, |(_, number)| *number)
+        self.known(name).unwrap_or(0.0)
     }
 
     /// All numbers of the whole scene.
-    pub fn numbers(&self) -> &[(&'static str, f64)] {
+    pub fn numbers(&self) -> &[(Cow<'static, str>, f64)] {
         &self.numbers
+    }
+
+    /// Notes the present time under a name, for example when something was last computed.
+    pub fn set_mark(&mut self, name: &'static str) {
+        self.set_number(name, self.time);
+    }
+
+    /// The time in seconds that was noted under a name; the present time if none was.
+    pub fn mark(&self, name: &str) -> f64 {
+        self.known(name).unwrap_or(self.time)
     }
 
     /// How many steps each bound has set since the run began.

@@ -7,7 +7,7 @@ use std::fmt;
 pub enum Role {
     /// Kept from step to step, moved by sorting, written to checkpoints.
     State,
-    /// Recomputed in every step before it is read.
+    /// Written in every step before it is read; where it is zero away from the surface that zero may stay from the step before.
     Derived,
     /// Computed and read by stages that follow each other, and only held for the chunk of particles that they have
     /// at hand: no column in memory.

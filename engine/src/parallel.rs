@@ -94,7 +94,7 @@ where
     fold_chunks(len, columns, &|start, columns, _| body(start, columns), &|(), ()| ());
 }
 
-/// Like [`for_chunks`] with chunks of at most `most` entries, for few but expensive entries.
+/// Like [`for_chunks`] with chunks of at most `most` entries, as many as lanes or more, for few but expensive entries.
 pub fn for_chunks_of<S, F>(most: usize, len: usize, columns: S, body: F)
 where
     S: Split,

@@ -282,9 +282,6 @@ impl Pipeline {
     /// # Errors
     /// The first fault; time doesn't move on.
     pub fn step(&mut self, world: &mut World) -> Result<(), Fault> {
-        if cfg!(debug_assertions) {
-            world.store.poison_derived();
-        }
         let _span = tracing::info_span!("step", number = world.clock.step).entered();
         let particles = world.store.len() as u64;
         let mut costs = &mut self.costs[..];

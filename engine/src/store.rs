@@ -289,7 +289,7 @@ impl Store {
         self.len -= particles.len();
     }
 
-    /// Fills every Derived column with a value that shows when it is read before it is written.
+    /// Fills every Derived column with a value that shows when it is read before it is written, for tests.
     pub fn poison_derived(&mut self) {
         self.is_changed = true;
         for (description, column) in &mut self.columns {

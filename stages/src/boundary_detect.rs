@@ -5,7 +5,6 @@ use crate::equation_of_state::Packing;
 use crate::fields;
 use crate::moment::Moment;
 use crate::rows::PackedState;
-use crate::sort_bin::WIDEST_SKIN;
 use crate::surface::{BOUNDARY, INSIDE, NEAR_BOUNDARY, length};
 use crate::surface_interval::is_due;
 use crate::surface_points::Particles;
@@ -27,8 +26,8 @@ pub const EIGENVALUE: f64 = 0.75;
 pub struct ColourGuard {
     /// The colour field, shared with the curvature.
     pub field: Arc<Mutex<ColourField>>,
-    /// Highest colour of a boundary particle.
-    pub highest: f64,
+    /// Highest colour of a boundary particle; none for no guard, where the field is wanted by the curvature alone.
+    pub highest: Option<f64>,
     /// Support radius of the colour field in particle sizes.
     pub support: f64,
     /// Whether the curvature notes the way from a particle to the surface.
@@ -52,11 +51,12 @@ impl ColourGuard {
     /// But it is as much steeper there. So for them it must also fall to one half no nearer than where it is the
     /// highest in an even packing. (For all of them, holes between drops that collide were taken for surface.)
     fn is_deep(&self, colour: &Colour, size: f64, usual: f64) -> bool {
+        let Some(highest) = self.highest else { return false };
         let excess = colour.value - 0.5;
         let fall = size * length(colour.gradient);
         let has_grown = even(size, usual) > usual;
-        let is_far = || !has_grown || excess > self.support * reach(self.highest - 0.5) * fall;
-        excess > FAR * fall || (colour.value > self.highest && is_far())
+        let is_far = || !has_grown || excess > self.support * reach(highest - 0.5) * fall;
+        excess > FAR * fall || (colour.value > highest && is_far())
     }
 }
 
@@ -80,18 +80,15 @@ impl BoundaryDetect {
     /// support of a pair.
     pub fn new(wiring: &mut Wiring, packing: Packing, interval: u64, guard: Option<ColourGuard>) -> Self {
         wiring.stage("boundary-detect");
-        let deficiency =
-            [&fields::SUPPORT_DEFICIENCY_RR, &fields::SUPPORT_DEFICIENCY_RZ, &fields::SUPPORT_DEFICIENCY_ZZ];
-        let offset = [&fields::SURFACE_OFFSET_R, &fields::SURFACE_OFFSET_Z];
         let with_offset = guard.as_ref().is_some_and(|guard| guard.with_offset);
         BoundaryDetect {
             packing,
             interval,
             guard,
-            position: [wiring.read(&fields::RADIUS), wiring.read(&fields::AXIAL)],
+            position: fields::POSITION.map(|field| wiring.read(field)),
             listed: [wiring.read(&fields::LIST_RADIUS), wiring.read(&fields::LIST_AXIAL)],
-            deficiency: deficiency.map(|field| wiring.read(field)),
-            offset: with_offset.then(|| offset.map(|field| wiring.read(field))),
+            deficiency: fields::SUPPORT_DEFICIENCY.map(|field| wiring.read(field)),
+            offset: with_offset.then(|| fields::SURFACE_OFFSET.map(|field| wiring.read(field))),
             surface: wiring.write(&fields::SURFACE),
             candidates: Vec::new(),
             doubtful: Vec::new(),
@@ -138,7 +135,6 @@ impl BoundaryDetect {
         let packed = PackedState(&world.rows);
         let support = guard.support * self.packing.largest_size;
         let source = Particles { r: &r, z: &z, list_r: &list_r, list_z: &list_z, support };
-        let slack = 0.25 * WIDEST_SKIN * self.packing.largest_size;
         let mut field = guard.field.lock().expect("no stage panics while it holds the colour field");
         let (r, z, doubtful) = (&r[..], &z[..], &self.doubtful[..]);
         let largest = self.packing.largest_size;
@@ -151,7 +147,7 @@ impl BoundaryDetect {
             |i| packed.area(i),
             wanted,
             world.neighbours.builds(),
-            (slack, &self.packing.domain),
+            (self.packing.slack(), &self.packing.domain),
         );
         let mut known = std::mem::take(&mut field.known);
         known.resize(doubtful.len(), (0, Colour::default()));
@@ -159,7 +155,7 @@ impl BoundaryDetect {
         parallel::for_chunks_of(16, doubtful.len(), &mut known[..], |start, known| {
             for (k, known) in known.iter_mut().enumerate() {
                 let i = doubtful[start + k] as usize;
-                let support = guard.support * packed.size(i).min(largest);
+                let support = guard.support * even(packed.size(i).min(largest), 0.5 * largest);
                 *known = (doubtful[start + k], look.at(r[i], z[i], support));
             }
         });
@@ -250,7 +246,7 @@ mod tests {
         let all = (0..r.len() as u32).map(|i| (i, support));
         field.refresh(&source, |_| density, all, 1, (0.0, &Domain { origin: 0.0, period: None }));
         let guard =
-            ColourGuard { field: Arc::default(), highest: 0.85, support: SUPPORT, with_offset: false };
+            ColourGuard { field: Arc::default(), highest: Some(0.85), support: SUPPORT, with_offset: false };
         let colour = field.at(100.0, -depth, support);
         (guard.is_deep(&colour, size, 1.0), colour.value)
     }

@@ -47,9 +47,9 @@ impl BoundaryEvening {
         wiring.stage("boundary-evening");
         BoundaryEvening {
             packing,
-            position: [wiring.update(&fields::RADIUS), wiring.update(&fields::AXIAL)],
+            position: fields::POSITION.map(|field| wiring.update(field)),
             surface: wiring.read(&fields::SURFACE),
-            tangent: [wiring.read(&fields::SURFACE_TANGENT_R), wiring.read(&fields::SURFACE_TANGENT_Z)],
+            tangent: fields::SURFACE_TANGENT.map(|field| wiring.read(field)),
             moves: Vec::new(),
         }
     }
@@ -94,15 +94,15 @@ impl BoundaryEvening {
     }
 }
 
-/// The way along the surface, m, of a particle with neighbours at the given distances (m) before and behind it.
-fn way([before, behind]: [f64; 2], size: f64) -> f64 {
-    if before.max(behind) == f64::INFINITY {
+/// The way along the surface, m, of a particle with neighbours at the given distances (m) against the tangent and along it.
+fn way([behind, ahead]: [f64; 2], size: f64) -> f64 {
+    if behind.max(ahead) == f64::INFINITY {
         return 0.0;
     }
     let excess =
         |distance: f64| distance - distance.clamp((1.0 - TOLERANCE) * size, (1.0 + TOLERANCE) * size);
     let farthest = FARTHEST * size;
-    (0.5 * PART * (excess(behind) - excess(before))).clamp(-farthest, farthest)
+    (0.5 * PART * (excess(ahead) - excess(behind))).clamp(-farthest, farthest)
 }
 
 impl Stage for BoundaryEvening {

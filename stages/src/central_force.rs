@@ -24,9 +24,9 @@ impl CentralForce {
         CentralForce {
             stiffness,
             origin,
-            position: [wiring.read(&fields::RADIUS), wiring.read(&fields::AXIAL)],
+            position: fields::POSITION.map(|field| wiring.read(field)),
             density: wiring.read(&fields::DENSITY),
-            force: [wiring.add(&fields::FORCE_R), wiring.add(&fields::FORCE_Z)],
+            force: fields::FORCE.map(|field| wiring.add(field)),
             work: Work::new(wiring, with_energy),
         }
     }

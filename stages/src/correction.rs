@@ -45,15 +45,14 @@ impl MomentumCorrection {
     /// Adds the surface force to the others; `with_energy` where the scene solves for the total energy.
     pub fn new(wiring: &mut Wiring, recoil: Recoil, with_energy: bool) -> Self {
         wiring.stage("correction");
-        let surface_force = [&fields::SURFACE_FORCE_R, &fields::SURFACE_FORCE_Z];
         MomentumCorrection {
             recoil,
             drop: (recoil == Recoil::Drop).then(|| wiring.read(&fields::DROP)),
             mass: wiring.read(&fields::MASS),
             density: wiring.read(&fields::DENSITY),
             surface: wiring.read(&fields::SURFACE),
-            surface_force: surface_force.map(|field| wiring.read(field)),
-            force: [wiring.add(&fields::FORCE_R), wiring.add(&fields::FORCE_Z)],
+            surface_force: fields::SURFACE_FORCE.map(|field| wiring.read(field)),
+            force: fields::FORCE.map(|field| wiring.add(field)),
             work: Work::new(wiring, with_energy && recoil != Recoil::None),
             recoils: Vec::new(),
         }

@@ -76,26 +76,24 @@ impl CurvatureColour {
         field: Arc<Mutex<ColourField>>,
     ) -> Self {
         wiring.stage("curvature");
-        let tangent = [&fields::SURFACE_TANGENT_R, &fields::SURFACE_TANGENT_Z];
-        let offset = [&fields::SURFACE_OFFSET_R, &fields::SURFACE_OFFSET_Z];
         let size = 0.5 * packing.largest_size;
         CurvatureColour {
             settings,
             packing,
             field,
-            position: [wiring.read(&fields::RADIUS), wiring.read(&fields::AXIAL)],
+            position: fields::POSITION.map(|field| wiring.read(field)),
             surface: wiring.read(&fields::SURFACE),
             drop: wiring.read(&fields::DROP),
             pressure: wiring.update(&fields::LAPLACE_PRESSURE),
             rate: wiring.write(&fields::LAPLACE_PRESSURE_RATE),
             last_rate: wiring.update(&fields::LAPLACE_PRESSURE_LAST_RATE),
-            offset: offset.map(|field| wiring.update(field)),
+            offset: fields::SURFACE_OFFSET.map(|field| wiring.update(field)),
             step_bound: capillary_bound(&settings.tension, 0.25 * settings.support * size),
             along: settings.with_slope.then(|| AlongSurface {
                 slope: wiring.update(&fields::LAPLACE_SLOPE),
                 slope_rate: wiring.write(&fields::LAPLACE_SLOPE_RATE),
                 slope_last_rate: wiring.update(&fields::LAPLACE_SLOPE_LAST_RATE),
-                tangent: tangent.map(|field| wiring.write(field)),
+                tangent: fields::SURFACE_TANGENT.map(|field| wiring.write(field)),
             }),
             boundary: Vec::new(),
             near_boundary: Vec::new(),
@@ -194,7 +192,7 @@ impl CurvatureColour {
         }
         let [r, z] = self.position.map(|field| world.store.read(field));
         for &i in &self.near_boundary {
-            columns.set(i, &self.beside([r[i as usize], z[i as usize]]));
+            columns.set(i, &self.beside([r[i as usize], z[i as usize]], size(i)));
         }
         let Columns { pressure, mut rate, mut last_rate, mut along, .. } = columns;
         for (&i, &[pressure_was, rate_was, slope_was, slope_rate_was]) in layer.iter().zip(before) {
@@ -227,9 +225,9 @@ impl CurvatureColour {
         self.settings.tension.note(&mut world.clock, smallest);
     }
 
-    /// What belongs to a place beside the surface: that of the nearest boundary particle, carried on
+    /// What belongs to a particle of some size beside the surface: that of the nearest boundary particle, carried on
     /// along the surface.
-    fn beside(&self, [r, z]: [f64; 2]) -> AtSurface {
+    fn beside(&self, [r, z]: [f64; 2], size: f64) -> AtSurface {
         let near = &self.neighbours;
         let is_known = |member: usize| self.found[near.source(member)].is_surface();
         let Some((member, way)) = near.nearest([r, z], 3.0 * self.packing.largest_size, is_known) else {
@@ -246,7 +244,8 @@ impl CurvatureColour {
         let along = foot[0] * tangent[0] + foot[1] * tangent[1];
         // The slope's place is the boundary particle, the way to it is `way`.
         let carried = pressure - slope * (tangent[0] * way[0] + tangent[1] * way[1]);
-        let most = 2.0 * SHARPEST * self.settings.tension.surface_tension / self.packing.largest_size;
+        let most =
+            SHARPEST * self.settings.tension.surface_tension / size.min(0.5 * self.packing.largest_size);
         let pressure = carried.clamp(-most, most);
         let offset = [foot[0] - along * tangent[0], foot[1] - along * tangent[1]];
         AtSurface { pressure, slope, tangent, offset }

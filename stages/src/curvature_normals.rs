@@ -4,7 +4,6 @@ use crate::curvature_colour::capillary_bound;
 use crate::equation_of_state::Packing;
 use crate::fields;
 use crate::rows::PackedState;
-use crate::sort_bin::WIDEST_SKIN;
 use crate::surface::{for_surface, length};
 use crate::surface_interval::{COMPUTED, Tension};
 use crate::surface_points::{Particles, SurfacePoints};
@@ -56,7 +55,7 @@ impl CurvatureNormals {
             tension,
             normal_theta,
             packing,
-            position: [wiring.read(&fields::RADIUS), wiring.read(&fields::AXIAL)],
+            position: fields::POSITION.map(|field| wiring.read(field)),
             listed: [wiring.read(&fields::LIST_RADIUS), wiring.read(&fields::LIST_AXIAL)],
             surface: wiring.read(&fields::SURFACE),
             pressure: wiring.update(&fields::LAPLACE_PRESSURE),
@@ -102,7 +101,7 @@ impl CurvatureNormals {
         let source =
             Particles { r: &r, z: &z, list_r: &list_r, list_z: &list_z, support: widest * largest_size };
         let wanted = self.with_normal.iter().map(|&i| (i, widest * self.largest));
-        let slack = 0.25 * WIDEST_SKIN * largest_size;
+        let slack = self.packing.slack();
         let build = world.neighbours.builds();
         self.points.refresh(&source, |i| packed.area(i), wanted, build, (slack, &domain));
         self.sizes.clear();

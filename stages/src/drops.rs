@@ -32,8 +32,8 @@ impl Drops {
         wiring.stage("drops");
         Drops {
             packing,
-            position: [wiring.read(&fields::RADIUS), wiring.read(&fields::AXIAL)],
-            velocity: [wiring.read(&fields::VELOCITY_R), wiring.read(&fields::VELOCITY_Z)],
+            position: fields::POSITION.map(|field| wiring.read(field)),
+            velocity: fields::VELOCITY.map(|field| wiring.read(field)),
             drop: wiring.update(&fields::DROP),
         }
     }

@@ -6,6 +6,7 @@ use crate::liquids::EquationOfState;
 use crate::record::{Deformation, Flow, Precision};
 use crate::reference_pressure::FIRST_REFERENCE;
 use crate::rows::{Rest, RowState, StateRow, image_of_double, image_of_single};
+use crate::sort_bin::WIDEST_SKIN;
 use meniscus_engine::domain::{Domain, Image};
 use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
 use meniscus_engine::lanes::{Lanes, Row, SingleRow, WIDTH};
@@ -56,6 +57,11 @@ impl Packing {
         2.0 * self.theta * size.min(self.largest_size)
     }
 
+    /// How far anyone may have moved since the list was built, m.
+    pub fn slack(&self) -> f64 {
+        0.25 * WIDEST_SKIN * self.largest_size
+    }
+
     /// The supports of pairs, in the rows' unit of length.
     pub fn support(&self, precision: Precision) -> Support {
         Support { theta: self.theta, largest_size: self.largest_size / self.unit(precision) }
@@ -87,8 +93,8 @@ struct DeformationFields {
 enum When {
     /// At the end of a step, for the next one, while the particles lie in the cache.
     Ahead,
-    /// At the start of a step where that doesn't hold: it is the first one, the list was built anew, or somebody
-    /// has set columns from outside.
+    /// At the start of a step where that doesn't hold: it is the first one, the list was built anew, particles were split, merged
+    /// or evened, or somebody has set columns from outside.
     Anew,
 }
 
@@ -141,8 +147,8 @@ impl<E: EquationOfState> State<E> {
         State {
             equation,
             packing,
-            position: [wiring.read(&fields::RADIUS), wiring.read(&fields::AXIAL)],
-            velocity: [wiring.read(&fields::VELOCITY_R), wiring.read(&fields::VELOCITY_Z)],
+            position: fields::POSITION.map(|field| wiring.read(field)),
+            velocity: fields::VELOCITY.map(|field| wiring.read(field)),
             density: wiring.read(&fields::DENSITY),
             mass: wiring.read(&fields::MASS),
             energy: E::WITH_ENERGY.then(|| wiring.read(&fields::TOTAL_ENERGY)),
@@ -256,15 +262,9 @@ fn copy_rows<R: Send + Sync>(
 
 impl DeformationFields {
     fn new(wiring: &mut Wiring) -> Self {
-        let deformation = [&fields::DEFORMATION_RR, &fields::DEFORMATION_SHEAR, &fields::DEFORMATION_ZZ];
-        let change = [
-            &fields::DEFORMATION_CHANGE_RR,
-            &fields::DEFORMATION_CHANGE_SHEAR,
-            &fields::DEFORMATION_CHANGE_ZZ,
-        ];
         DeformationFields {
-            deformation: deformation.map(|field| wiring.read(field)),
-            change: change.map(|field| wiring.read(field)),
+            deformation: fields::DEFORMATION.map(|field| wiring.read(field)),
+            change: fields::DEFORMATION_CHANGE.map(|field| wiring.read(field)),
         }
     }
 

@@ -345,3 +345,47 @@ pub static CONCENTRATION_GRADIENT_Z: Real = Field::transient(
     "1/m",
     "Gradient of the particle concentration, from which shifting moves away, axial component.",
 );
+
+// Vectors and tensors, their components in the order in which stages take them.
+
+/// r and z.
+pub static POSITION: [&Real; 2] = [&RADIUS, &AXIAL];
+/// U_r and U_z.
+pub static VELOCITY: [&Real; 2] = [&VELOCITY_R, &VELOCITY_Z];
+/// r, z and reach for which the list was built.
+pub static LISTED: [&Real; 3] = [&LIST_RADIUS, &LIST_AXIAL, &LIST_REACH];
+/// The way to the surface.
+pub static SURFACE_OFFSET: [&Real; 2] = [&SURFACE_OFFSET_R, &SURFACE_OFFSET_Z];
+/// The tangent of the surface.
+pub static SURFACE_TANGENT: [&Real; 2] = [&SURFACE_TANGENT_R, &SURFACE_TANGENT_Z];
+/// The acceleration of the step before.
+pub static PREVIOUS_ACCELERATION: [&Real; 2] = [&PREVIOUS_ACCELERATION_R, &PREVIOUS_ACCELERATION_Z];
+/// The rate of deformation.
+pub static DEFORMATION: [&Real; 3] = [&DEFORMATION_RR, &DEFORMATION_SHEAR, &DEFORMATION_ZZ];
+/// The change of the rate of deformation.
+pub static DEFORMATION_CHANGE: [&Real; 3] =
+    [&DEFORMATION_CHANGE_RR, &DEFORMATION_CHANGE_SHEAR, &DEFORMATION_CHANGE_ZZ];
+/// The force.
+pub static FORCE: [&Real; 2] = [&FORCE_R, &FORCE_Z];
+/// The dissipative part of the force.
+pub static DISSIPATION: [&Real; 2] = [&DISSIPATION_R, &DISSIPATION_Z];
+/// The force of the surface.
+pub static SURFACE_FORCE: [&Real; 2] = [&SURFACE_FORCE_R, &SURFACE_FORCE_Z];
+/// What the moment matrix lacks.
+pub static SUPPORT_DEFICIENCY: [&Real; 3] =
+    [&SUPPORT_DEFICIENCY_RR, &SUPPORT_DEFICIENCY_RZ, &SUPPORT_DEFICIENCY_ZZ];
+/// The weight of the ghosts.
+pub static GHOST_WEIGHT: [&Real; 2] = [&GHOST_WEIGHT_R, &GHOST_WEIGHT_Z];
+/// The moment matrix.
+pub static MOMENT: [&Real; 3] = [&MOMENT_RR, &MOMENT_RZ, &MOMENT_ZZ];
+/// The viscous force.
+pub static VISCOUS_FORCE: [&Real; 2] = [&VISCOUS_FORCE_R, &VISCOUS_FORCE_Z];
+/// The sum of the ghosts' weights.
+pub static GHOST_WEIGHT_SUM: [&Real; 2] = [&GHOST_WEIGHT_SUM_R, &GHOST_WEIGHT_SUM_Z];
+/// The sum of velocities.
+pub static VELOCITY_SUM: [&Real; 4] =
+    [&VELOCITY_SUM_RR, &VELOCITY_SUM_RZ, &VELOCITY_SUM_ZR, &VELOCITY_SUM_ZZ];
+/// The gradient of the concentration.
+pub static CONCENTRATION_GRADIENT: [&Real; 2] = [&CONCENTRATION_GRADIENT_R, &CONCENTRATION_GRADIENT_Z];
+/// What the balance of tension lacks.
+pub static TENSION_DEFICIT: [&Real; 2] = [&TENSION_DEFICIT_R, &TENSION_DEFICIT_Z];

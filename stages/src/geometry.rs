@@ -1,4 +1,5 @@
-//! Axisymmetry: the weights and hoop terms of the schemes. It lives here and nowhere else.
+//! Axisymmetry: the weights and hoop terms of the schemes. Besides, viscosity and a ring's contact with its own image have
+//! terms of theirs (`terms/viscosity.rs`, `image_contact.rs`).
 
 use crate::record::FlowState;
 use meniscus_engine::lanes::{Lanes, Scalar};

@@ -54,23 +54,20 @@ impl GhostCoupling {
         with_energy: bool,
     ) -> Self {
         wiring.stage("ghost-coupling");
-        let deficit = [&fields::TENSION_DEFICIT_R, &fields::TENSION_DEFICIT_Z];
-        let tangent = [&fields::SURFACE_TANGENT_R, &fields::SURFACE_TANGENT_Z];
-        let force = [&fields::SURFACE_FORCE_R, &fields::SURFACE_FORCE_Z];
         GhostCoupling {
             laplace: wiring.read(&fields::LAPLACE_PRESSURE),
             laplace_rate: wiring.read(&fields::LAPLACE_PRESSURE_RATE),
             surface: wiring.read(&fields::SURFACE),
-            weight: [wiring.read(&fields::GHOST_WEIGHT_R), wiring.read(&fields::GHOST_WEIGHT_Z)],
+            weight: fields::GHOST_WEIGHT.map(|field| wiring.read(field)),
             balance: with_balance.then(|| Balance {
-                deficit: deficit.map(|field| wiring.read(field)),
-                tangent: tangent.map(|field| wiring.read(field)),
+                deficit: fields::TENSION_DEFICIT.map(|field| wiring.read(field)),
+                tangent: fields::SURFACE_TANGENT.map(|field| wiring.read(field)),
             }),
             reference_pressure: wiring.read(&fields::REFERENCE_PRESSURE),
             density: wiring.read(&fields::DENSITY),
             sound_speed: SoundSpeed::new(wiring, constant_sound_speed),
             strain_rate: wiring.add(&fields::STRAIN_RATE),
-            force: force.map(|field| wiring.write(field)),
+            force: fields::SURFACE_FORCE.map(|field| wiring.write(field)),
             work: Work::new(wiring, with_energy),
             cleared: (0, true),
         }

@@ -29,17 +29,14 @@ impl IncompleteSupport {
     /// Keeps what the surface's stages read; `with_ghosts` where there are ghosts.
     pub fn new(wiring: &mut Wiring, with_ghosts: bool) -> Self {
         wiring.stage("incomplete-support");
-        let moment = [&fields::MOMENT_RR, &fields::MOMENT_RZ, &fields::MOMENT_ZZ];
-        let deficiency =
-            [&fields::SUPPORT_DEFICIENCY_RR, &fields::SUPPORT_DEFICIENCY_RZ, &fields::SUPPORT_DEFICIENCY_ZZ];
         let weight = [
             (&fields::GHOST_WEIGHT_SUM_R, &fields::GHOST_WEIGHT_R),
             (&fields::GHOST_WEIGHT_SUM_Z, &fields::GHOST_WEIGHT_Z),
         ];
         IncompleteSupport {
             surface: wiring.read(&fields::SURFACE),
-            moment: moment.map(|field| wiring.read(field)),
-            deficiency: deficiency.map(|field| wiring.write(field)),
+            moment: fields::MOMENT.map(|field| wiring.read(field)),
+            deficiency: fields::SUPPORT_DEFICIENCY.map(|field| wiring.write(field)),
             weight: with_ghosts.then(|| weight.map(|(sum, kept)| (wiring.read(sum), wiring.write(kept)))),
         }
     }

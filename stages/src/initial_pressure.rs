@@ -38,7 +38,7 @@ impl<E: EquationOfState> InitialPressure<E> {
             packing,
             with_reference,
             identity: wiring.read(&fields::IDENTITY),
-            position: [wiring.read(&fields::RADIUS), wiring.read(&fields::AXIAL)],
+            position: fields::POSITION.map(|field| wiring.read(field)),
             energy: E::WITH_ENERGY.then(|| energy.map(|field| wiring.read(field))),
             mass: wiring.read(&fields::MASS),
             surface: wiring.read(&fields::SURFACE),

@@ -52,18 +52,16 @@ impl Integrate {
         (with_dissipation, with_energy): (bool, bool),
     ) -> Self {
         wiring.stage("integrate");
-        let dissipation = [&fields::DISSIPATION_R, &fields::DISSIPATION_Z];
-        let previous = [&fields::PREVIOUS_ACCELERATION_R, &fields::PREVIOUS_ACCELERATION_Z];
         let two_step = scheme == Scheme::AdamsBashforth;
         Integrate {
             origin,
             bad_state: BadState::new(wiring, "integrate", origin),
-            position: [wiring.update(&fields::RADIUS), wiring.update(&fields::AXIAL)],
-            velocity: [wiring.update(&fields::VELOCITY_R), wiring.update(&fields::VELOCITY_Z)],
+            position: fields::POSITION.map(|field| wiring.update(field)),
+            velocity: fields::VELOCITY.map(|field| wiring.update(field)),
             density: wiring.update(&fields::DENSITY),
-            previous: two_step.then(|| previous.map(|field| wiring.update(field))),
-            force: [wiring.read(&fields::FORCE_R), wiring.read(&fields::FORCE_Z)],
-            dissipation: with_dissipation.then(|| dissipation.map(|field| wiring.read(field))),
+            previous: two_step.then(|| fields::PREVIOUS_ACCELERATION.map(|field| wiring.update(field))),
+            force: fields::FORCE.map(|field| wiring.read(field)),
+            dissipation: with_dissipation.then(|| fields::DISSIPATION.map(|field| wiring.read(field))),
             strain_rate: wiring.read(&fields::STRAIN_RATE),
             energy: with_energy.then(|| (wiring.update(&fields::TOTAL_ENERGY), wiring.read(&fields::POWER))),
             mass: wiring.read(&fields::MASS),

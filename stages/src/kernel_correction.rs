@@ -31,9 +31,8 @@ impl KernelCorrection {
     /// detects it.
     pub fn new(wiring: &mut Wiring, interval: u64, with_surface: bool) -> Self {
         wiring.stage("kernel-correction");
-        let moment = [&fields::MOMENT_RR, &fields::MOMENT_RZ, &fields::MOMENT_ZZ];
         KernelCorrection {
-            moment: moment.map(|field| wiring.read(field)),
+            moment: fields::MOMENT.map(|field| wiring.read(field)),
             surface: with_surface.then(|| wiring.read(&fields::SURFACE)),
             scale: wiring.update(&fields::KERNEL_SCALE),
             interval,

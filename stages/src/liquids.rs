@@ -105,6 +105,9 @@ impl EquationOfState for MieGrueneisen {
     }
 }
 
+/// Least specific energy, J/kg, by which waves run in an ideal gas: one without heat would have no impedance.
+const COLDEST: f64 = 1e-30;
+
 /// P = (gamma - 1) rho e.
 #[derive(Clone, Copy, Debug)]
 pub struct IdealGas {
@@ -120,7 +123,7 @@ impl EquationOfState for IdealGas {
     }
 
     fn sound_speed(&self, _: f64, energy: f64) -> f64 {
-        (self.heat_ratio * (self.heat_ratio - 1.0) * energy.max(0.0)).sqrt()
+        (self.heat_ratio * (self.heat_ratio - 1.0) * energy.max(COLDEST)).sqrt()
     }
 
     fn shock_slope(&self) -> f64 {

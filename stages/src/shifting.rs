@@ -6,7 +6,6 @@ use crate::moment::Moment;
 use crate::rows::PackedState;
 use crate::surface::BOUNDARY;
 use meniscus_engine::clock::Clock;
-use meniscus_engine::field::Field;
 use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
 use meniscus_engine::lanes::{Lanes, WIDTH};
 use meniscus_engine::parallel;
@@ -97,8 +96,8 @@ struct Carrying {
 impl Carrying {
     fn new(wiring: &mut Wiring) -> Self {
         Carrying {
-            velocity: [wiring.update(&fields::VELOCITY_R), wiring.update(&fields::VELOCITY_Z)],
-            deformation: DEFORMATION.map(|field| wiring.read(field)),
+            velocity: fields::VELOCITY.map(|field| wiring.update(field)),
+            deformation: fields::DEFORMATION.map(|field| wiring.read(field)),
             rotation: wiring.read(&fields::ROTATION),
             mass: wiring.read(&fields::MASS),
             carried: (wiring.write(&fields::CARRIED_Z), wiring.read(&fields::CARRIED_Z)),
@@ -137,25 +136,18 @@ impl Carrying {
     }
 }
 
-const DEFORMATION: [&Field<f64>; 3] =
-    [&fields::DEFORMATION_RR, &fields::DEFORMATION_SHEAR, &fields::DEFORMATION_ZZ];
-
 impl Shifting {
     /// Shifts before the step; `with_deformation` where the scene computes rates of deformation, `carrying` where
     /// velocities go along.
     pub fn new(wiring: &mut Wiring, strength: Strength, with_deformation: bool, carrying: bool) -> Self {
         wiring.stage("shifting");
-        let moment = [&fields::MOMENT_RR, &fields::MOMENT_RZ, &fields::MOMENT_ZZ];
         Shifting {
             strength,
-            concentration_gradient: [
-                wiring.read(&fields::CONCENTRATION_GRADIENT_R),
-                wiring.read(&fields::CONCENTRATION_GRADIENT_Z),
-            ],
-            moment: moment.map(|field| wiring.read(field)),
-            deformation: with_deformation.then(|| DEFORMATION.map(|field| wiring.read(field))),
+            concentration_gradient: fields::CONCENTRATION_GRADIENT.map(|field| wiring.read(field)),
+            moment: fields::MOMENT.map(|field| wiring.read(field)),
+            deformation: with_deformation.then(|| fields::DEFORMATION.map(|field| wiring.read(field))),
             surface: wiring.read(&fields::SURFACE),
-            position: [wiring.update(&fields::RADIUS), wiring.update(&fields::AXIAL)],
+            position: fields::POSITION.map(|field| wiring.update(field)),
             carrying: carrying.then(|| Carrying::new(wiring)),
         }
     }

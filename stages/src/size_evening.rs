@@ -76,8 +76,8 @@ impl SizeEvening {
         wiring.stage("size-evening");
         SizeEvening {
             packing,
-            velocity: [wiring.read(&fields::VELOCITY_R), wiring.read(&fields::VELOCITY_Z)],
-            position: [wiring.update(&fields::RADIUS), wiring.update(&fields::AXIAL)],
+            velocity: fields::VELOCITY.map(|field| wiring.read(field)),
+            position: fields::POSITION.map(|field| wiring.update(field)),
             mass: wiring.update(&fields::MASS),
             refinement: wiring.read(&fields::REFINEMENT),
             carried: carried_by_mass(wiring, two_step, with_energy),
@@ -89,7 +89,7 @@ impl SizeEvening {
     fn find_uneven<'a>(&self, world: &'a World) -> &'a [u32] {
         let (packed, list) = (PackedState(&world.rows), &world.neighbours);
         let refinement = world.store.read(self.refinement);
-        let area = |i: usize| packed.area(i) / (1.0 - refinement[i]);
+        let area = |i: usize| (packed.area(i), 1.0 - refinement[i]);
         let is_uneven = |i: &u32| {
             let own = area(*i as usize);
             list.of(*i as usize).any(|number| excess(own, area(list.source(number))) != 0.0)
@@ -115,7 +115,7 @@ impl SizeEvening {
         let (r, z, mass, list) = (&r[..], &z[..], &mass[..], &world.neighbours);
         let refinement = world.store.read(self.refinement);
         let refinement = &refinement[..];
-        let area = |i: usize| packed.area(i) / (1.0 - refinement[i]);
+        let area = |i: usize| (packed.area(i), 1.0 - refinement[i]);
         let part = PART / (NEIGHBOURS * self.packing.theta.powi(2));
         let gain_of = |a: usize| {
             let mut gain = Gain::default();
@@ -197,10 +197,9 @@ pub(crate) fn is_due(world: &World, velocity: [Read<f64>; 2], packing: &Packing)
 /// The columns of what mass carries along, those of the velocity first.
 pub(crate) fn carried_by_mass(wiring: &mut Wiring, two_step: bool, with_energy: bool) -> Carried {
     let mut carried = Carried::new();
-    carried.extend([&fields::VELOCITY_R, &fields::VELOCITY_Z].map(|field| wiring.update(field)));
+    carried.extend(fields::VELOCITY.map(|field| wiring.update(field)));
     if two_step {
-        let previous = [&fields::PREVIOUS_ACCELERATION_R, &fields::PREVIOUS_ACCELERATION_Z];
-        carried.extend(previous.map(|field| wiring.update(field)));
+        carried.extend(fields::PREVIOUS_ACCELERATION.map(|field| wiring.update(field)));
     }
     if with_energy {
         carried.push(wiring.update(&fields::TOTAL_ENERGY));
@@ -208,10 +207,11 @@ pub(crate) fn carried_by_mass(wiring: &mut Wiring, two_step: bool, with_energy: 
     carried
 }
 
-/// By how much (V_b - V_a)/(V_a + V_b) is beyond the tolerance.
+/// By how much (V_b - V_a)/(V_a + V_b) is beyond the tolerance, of areas (V, V_w/V_0) over the wanted ones.
 #[inline]
-fn excess(area_a: f64, area_b: f64) -> f64 {
-    let (difference, both) = (area_b - area_a, area_a + area_b);
+fn excess((area_a, wanted_a): (f64, f64), (area_b, wanted_b): (f64, f64)) -> f64 {
+    let (a, b) = (area_a * wanted_b, area_b * wanted_a);
+    let (difference, both) = (b - a, a + b);
     let tolerated = TOLERANCE * both;
     if difference.abs() <= tolerated {
         return 0.0;
@@ -246,8 +246,11 @@ mod tests {
 
     #[test]
     fn what_one_gains_the_other_gives() {
-        assert_eq!(excess(1.0, 1.05), 0.0);
-        assert_eq!(excess(1.0, 3.0), 0.5 - TOLERANCE);
-        assert_eq!(excess(3.0, 1.0), -excess(1.0, 3.0));
+        let excess_of = |a, b| excess((a, 1.0), (b, 1.0));
+        assert_eq!(excess_of(1.0, 1.05), 0.0);
+        assert_eq!(excess_of(1.0, 3.0), 0.5 - TOLERANCE);
+        assert_eq!(excess_of(3.0, 1.0), -excess_of(1.0, 3.0));
+        assert_eq!(excess((1.0, 0.5), (0.5, 0.25)), 0.0);
+        assert_eq!(excess((1.0, 1.0), (1.5, 0.5)), excess_of(1.0, 3.0));
     }
 }

@@ -17,7 +17,7 @@ const FIRST_SKIN: f64 = 0.1;
 /// The narrowest skin, below which a list is built too often to be worth it whatever the particles do.
 const NARROWEST_SKIN: f64 = 0.02;
 /// The widest skin.
-pub const WIDEST_SKIN: f64 = 1.0;
+pub(crate) const WIDEST_SKIN: f64 = 1.0;
 /// The cost of building the list over that of the pairs that a skin of one particle size adds to a step.
 const BUILD_COST: f64 = 2.0;
 /// Steps for which a list must hold for it to pay that lists of eight particles become even.
@@ -26,6 +26,9 @@ const LASTING: f64 = 12.0;
 /// list holds.
 const OF_OWN: f64 = 1.25;
 const OF_MEAN: f64 = 0.25;
+
+/// When the list was built, among the numbers of the clock.
+pub const LISTED: &str = "list";
 
 /// The stage. The list is a pure function of the State (order, and the positions and reaches for which
 /// it was built), so that a resumed run finds the list that the interrupted one had.
@@ -47,13 +50,12 @@ impl SortBin {
     /// `packing` gives the support of a pair.
     pub fn new(wiring: &mut Wiring, packing: Packing) -> Self {
         wiring.stage("sort-bin");
-        let listed = [&fields::LIST_RADIUS, &fields::LIST_AXIAL, &fields::LIST_REACH];
         SortBin {
             packing,
-            position: [wiring.update(&fields::RADIUS), wiring.update(&fields::AXIAL)],
+            position: fields::POSITION.map(|field| wiring.update(field)),
             density: wiring.read(&fields::DENSITY),
             mass: wiring.read(&fields::MASS),
-            listed: listed.map(|field| wiring.update(field)),
+            listed: fields::LISTED.map(|field| wiring.update(field)),
         }
     }
 
@@ -104,7 +106,7 @@ impl SortBin {
         let size = 0.5 * self.packing.largest_size;
         let [narrowest, first, widest] =
             [NARROWEST_SKIN, FIRST_SKIN, WIDEST_SKIN].map(|skin| 0.5 * skin * size);
-        let elapsed = world.clock.time - world.clock.mark("list");
+        let elapsed = world.clock.time - world.clock.mark(LISTED);
         if elapsed <= 0.0 {
             speeds.fill(0.0);
             return Skins { steps: LASTING, lifetime: 0.0, mean: 0.0, narrowest: first, widest };
@@ -149,7 +151,7 @@ impl SortBin {
             world.store.permute(order);
         }
         world.neighbours.return_entries(memory);
-        world.clock.set_mark("list");
+        world.clock.set_mark(LISTED);
         self.build_even(world, skins.steps >= LASTING);
         world.neighbours.margin = skins.half_of(0.0);
     }
@@ -203,14 +205,14 @@ impl Stage for SortBin {
 
 impl Packing {
     /// Whether particles (columns r, z, density and mass) lie within the circles for which the list was built (r, z and
-    /// reach), all in SI units; not so for a NaN.
+    /// reach), all in SI units, and nobody beyond the slack, where one that flew outward has become smaller; not so for a NaN.
     fn are_within(
         &self,
         [r, z, density, mass]: [&[f64]; 4],
         [list_r, list_z, list_reach]: [&[f64]; 3],
     ) -> bool {
         let origin = Lanes::splat(self.domain.origin);
-        let largest = Lanes::splat(self.largest_size);
+        let [largest, slack] = [self.largest_size, self.slack()].map(Lanes::splat);
         let (two_pi, two_theta) = (Lanes::splat(2.0 * PI), Lanes::splat(2.0 * self.theta));
         (0..r.len()).step_by(WIDTH).all(|k| {
             let load = |column: &[f64], fill| Lanes::load_or(&column[k..r.len().min(k + WIDTH)], fill);
@@ -218,7 +220,7 @@ impl Packing {
             let (dr, dz) = (radius - load(list_r, 1.0), load(z, 0.0) - load(list_z, 0.0));
             let area = load(mass, 0.0) / (two_pi * (radius + origin) * load(density, 1.0));
             let reach = two_theta * area.sqrt().min(largest);
-            let room = load(list_reach, 1.0) - reach;
+            let room = (load(list_reach, 1.0) - reach).min(slack);
             room.all_positive() && (room * room - dr.mul_add(dr, dz * dz)).all_positive()
         })
     }
@@ -240,13 +242,12 @@ impl ListCheck {
     pub fn new(wiring: &mut Wiring, packing: Packing) -> Self {
         wiring.stage("list-check");
         let particles = [&fields::RADIUS, &fields::AXIAL, &fields::DENSITY, &fields::MASS];
-        let listed = [&fields::LIST_RADIUS, &fields::LIST_AXIAL, &fields::LIST_REACH];
         ListCheck {
             packing,
             is_needed: true,
             margin: 0.0,
             particles: particles.map(|field| wiring.read(field)),
-            listed: listed.map(|field| wiring.read(field)),
+            listed: fields::LISTED.map(|field| wiring.read(field)),
         }
     }
 }

@@ -13,6 +13,9 @@ use meniscus_engine::store::{Read, Store, Update};
 use meniscus_engine::wiring::Wiring;
 use std::f64::consts::FRAC_PI_2;
 
+/// The identity of the next particle that is split off, among the numbers of the clock.
+const NEXT_IDENTITY: &str = "next identity";
+
 /// Area, over the wanted one, above which a particle becomes two: each has about the wanted area then.
 const LARGEST: f64 = 2.0;
 /// Area below which a particle looks for one to merge with; no more than twice this both may have. With .25 fast collisions and
@@ -90,15 +93,14 @@ impl SplitAndMerge {
     /// accelerations of the step before still count.
     pub fn new(wiring: &mut Wiring, packing: Packing, two_step: bool, with_energy: bool) -> Self {
         wiring.stage("split-and-merge");
-        let listed = [&fields::LIST_RADIUS, &fields::LIST_AXIAL, &fields::LIST_REACH];
         SplitAndMerge {
             packing,
             first_area: (0.5 * packing.largest_size).powi(2),
-            position: [wiring.update(&fields::RADIUS), wiring.update(&fields::AXIAL)],
-            velocity: [wiring.read(&fields::VELOCITY_R), wiring.read(&fields::VELOCITY_Z)],
+            position: fields::POSITION.map(|field| wiring.update(field)),
+            velocity: fields::VELOCITY.map(|field| wiring.read(field)),
             density: wiring.update(&fields::DENSITY),
             mass: wiring.update(&fields::MASS),
-            listed: listed.map(|field| wiring.update(field)),
+            listed: fields::LISTED.map(|field| wiring.update(field)),
             identity: wiring.update(&fields::IDENTITY),
             surface: wiring.read(&fields::SURFACE),
             drop: wiring.read(&fields::DROP),
@@ -263,9 +265,9 @@ impl SplitAndMerge {
     }
 
     /// What becomes of those that are split and of their copies, which lie in the same order from `first` on.
-    fn divide(&self, store: &Store, splits: &[Split], first: usize) {
-        let largest = store.write(self.identity)[..first].iter().max().copied().unwrap_or(0);
-        for ((split, copy), identity) in splits.iter().zip(first..).zip(largest + 1..) {
+    /// They get the identities from `next` on.
+    fn divide(&self, store: &Store, splits: &[Split], (first, next): (usize, u32)) {
+        for ((split, copy), identity) in splits.iter().zip(first..).zip(next..) {
             let a = split.particle as usize;
             let lean = split.way[0] / (store.write(self.position[0])[a] + self.packing.domain.origin);
             let whole = store.write(self.mass)[a];
@@ -297,7 +299,7 @@ impl Stage for SplitAndMerge {
         if !is_due(world, self.velocity, &self.packing) {
             return Ok(());
         }
-        let World { store, neighbours, arena, .. } = world;
+        let World { store, neighbours, arena, clock, .. } = world;
         let arena = &*arena;
         let [large, small] = self.find(store, arena);
         let mergers = self.find_mergers((store, neighbours), &small, arena);
@@ -309,10 +311,14 @@ impl Stage for SplitAndMerge {
         if mergers.is_empty() && splits.is_empty() {
             return Ok(());
         }
+        // Nobody gets the identity of one that has merged away.
+        let largest = store.write(self.identity).iter().max().copied().unwrap_or(0);
+        let next = (clock.number(NEXT_IDENTITY) as u32).max(largest + 1);
+        clock.set_number(NEXT_IDENTITY, f64::from(next) + splits.len() as f64);
         self.merge(store, &mergers);
         let first = store.len();
         store.add_copies(&parents);
-        self.divide(store, &splits, first);
+        self.divide(store, &splits, (first, next));
         let mut gone: Vec<u32> = mergers.iter().map(|merger| merger.gone).collect_in(arena);
         gone.sort_unstable();
         store.remove(&gone);
@@ -351,9 +357,15 @@ mod tests {
 
     /// The same where all have one place relative to the surface.
     fn run_at(surface: u32, particles: &[Placed], wind: f64) -> World {
+        let (mut stage, mut world) = set_up(surface, particles, wind);
+        stage.run(&mut world).expect("no fault");
+        world
+    }
+
+    fn set_up(surface: u32, particles: &[Placed], wind: f64) -> (SplitAndMerge, World) {
         let packing = Packing { domain: Domain::default(), theta: 0.5, largest_size: 2.0 * SIZE };
         let mut wiring = Wiring::new();
-        let mut stage = SplitAndMerge::new(&mut wiring, packing, false, true);
+        let stage = SplitAndMerge::new(&mut wiring, packing, false, true);
         let mut store = wiring.allocate(particles.len());
         let of = |value: &dyn Fn(&Placed) -> f64| particles.iter().map(value).collect::<std::vec::Vec<f64>>();
         let [r, z] = [0, 1].map(|k| of(&|(place, _)| SIZE * place[k]));
@@ -376,8 +388,7 @@ mod tests {
         assert!(store.set("surface", &vec![surface; r.len()]));
         let mut world = World::new(store, Clock::default());
         world.neighbours.build([&r, &z, &reach], &packing.domain);
-        stage.run(&mut world).expect("no fault");
-        world
+        (stage, world)
     }
 
     fn linear([r, z]: [f64; 2], wind: f64) -> [f64; 2] {
@@ -449,6 +460,21 @@ mod tests {
         let after = run(&particles, WIND);
         assert_eq!(after.store.len(), 80, "one of three is left alone");
         assert!(kept(&particles, &after));
+    }
+
+    #[test]
+    fn an_identity_is_given_once() {
+        let two = [([20.0, 0.0], 0.4), ([20.0, 0.5], 0.4)];
+        let (mut stage, mut world) = set_up(INSIDE, &two, WIND);
+        stage.run(&mut world).expect("no fault");
+        let large: std::vec::Vec<f64> = column(&world, "mass").iter().map(|mass| 4.0 * mass).collect();
+        assert_eq!(large.len(), 1, "0 and 1 merge");
+        assert!(world.store.set("mass", &large));
+        let [r, z] = ["radius", "axial"].map(|name| column(&world, name));
+        world.neighbours.build([&r, &z, &[4.0 * SIZE]], &Domain::default());
+        stage.run(&mut world).expect("no fault");
+        let identities = world.store.by_name::<u32>("identity").expect("a column").to_vec();
+        assert_eq!(identities, [0, 2]);
     }
 
     #[test]

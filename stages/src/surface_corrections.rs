@@ -30,23 +30,17 @@ impl TangentialPressure {
     /// Adds to the surface force, and `with_energy` its work to that of the others.
     pub fn new(wiring: &mut Wiring, with_energy: bool) -> Self {
         wiring.stage("tangential-pressure");
-        let force = [&fields::SURFACE_FORCE_R, &fields::SURFACE_FORCE_Z];
         TangentialPressure {
             surface: wiring.read(&fields::SURFACE),
-            deficiency: support_deficiency(wiring),
+            deficiency: fields::SUPPORT_DEFICIENCY.map(|field| wiring.read(field)),
             slope: wiring.read(&fields::LAPLACE_SLOPE),
             slope_rate: wiring.read(&fields::LAPLACE_SLOPE_RATE),
             deficit_slope: wiring.read(&fields::TENSION_DEFICIT_SLOPE),
-            tangent: [wiring.read(&fields::SURFACE_TANGENT_R), wiring.read(&fields::SURFACE_TANGENT_Z)],
-            force: force.map(|field| wiring.add(field)),
+            tangent: fields::SURFACE_TANGENT.map(|field| wiring.read(field)),
+            force: fields::SURFACE_FORCE.map(|field| wiring.add(field)),
             work: Work::new(wiring, with_energy),
         }
     }
-}
-
-fn support_deficiency(wiring: &mut Wiring) -> [Read<f64>; 3] {
-    [&fields::SUPPORT_DEFICIENCY_RR, &fields::SUPPORT_DEFICIENCY_RZ, &fields::SUPPORT_DEFICIENCY_ZZ]
-        .map(|field| wiring.read(field))
 }
 
 impl ChunkStage for TangentialPressure {
@@ -90,11 +84,10 @@ impl StrainCorrection {
     /// Adds to the strain rate.
     pub fn new(wiring: &mut Wiring) -> Self {
         wiring.stage("strain-correction");
-        let deformation = [&fields::DEFORMATION_RR, &fields::DEFORMATION_SHEAR, &fields::DEFORMATION_ZZ];
         StrainCorrection {
             surface: wiring.read(&fields::SURFACE),
-            deficiency: support_deficiency(wiring),
-            deformation: deformation.map(|field| wiring.read(field)),
+            deficiency: fields::SUPPORT_DEFICIENCY.map(|field| wiring.read(field)),
+            deformation: fields::DEFORMATION.map(|field| wiring.read(field)),
             strain_rate: wiring.add(&fields::STRAIN_RATE),
         }
     }

@@ -71,7 +71,7 @@ impl Tension {
     pub(crate) fn note(&self, clock: &mut Clock, size: f64) {
         let until = clock.time + self.holds(size);
         clock.set_mark(COMPUTED);
-        clock.restore_mark(HOLDS_UNTIL, until);
+        clock.set_number(HOLDS_UNTIL, until);
     }
 
     /// Rate (Pa/s) of a Laplace pressure that was another one `elapsed` seconds before, of a particle of the given size
@@ -113,8 +113,7 @@ impl Tension {
 /// Whether the surface is looked for in this step: every `interval` steps, or a half or a quarter of that and so
 /// on where the curvature doesn't hold so long.
 pub fn is_due(clock: &Clock, interval: u64) -> bool {
-    let until = clock.marks().iter().find(|(name, _)| *name == HOLDS_UNTIL);
-    let holds = until.map_or(f64::INFINITY, |(_, until)| until - clock.mark(COMPUTED));
+    let holds = clock.known(HOLDS_UNTIL).map_or(f64::INFINITY, |until| until - clock.mark(COMPUTED));
     let mut steps = interval;
     while steps > 1 && steps as f64 * clock.previous_step_size > holds {
         steps /= 2;
@@ -132,7 +131,7 @@ mod tests {
             let due = |step: u64| {
                 let mut clock = Clock::at(step, 0.0, 1.0);
                 clock.set_mark(COMPUTED);
-                clock.restore_mark(HOLDS_UNTIL, holds);
+                clock.set_number(HOLDS_UNTIL, holds);
                 is_due(&clock, 4)
             };
             (0..8).filter(|&step| due(step)).collect::<Vec<_>>()

@@ -72,19 +72,17 @@ impl TensionBalance {
     /// Finds f in steps in which the curvature is computed, for a surface tension in N/m.
     pub fn new(wiring: &mut Wiring, packing: Packing, tension: f64) -> Self {
         wiring.stage("tension-balance");
-        let support_deficiency =
-            [&fields::SUPPORT_DEFICIENCY_RR, &fields::SUPPORT_DEFICIENCY_RZ, &fields::SUPPORT_DEFICIENCY_ZZ];
         let deficit =
             [&fields::TENSION_DEFICIT_R, &fields::TENSION_DEFICIT_Z, &fields::TENSION_DEFICIT_SLOPE];
         TensionBalance {
             packing,
             tension,
-            position: [wiring.read(&fields::RADIUS), wiring.read(&fields::AXIAL)],
+            position: fields::POSITION.map(|field| wiring.read(field)),
             surface: wiring.read(&fields::SURFACE),
-            offset: [wiring.read(&fields::SURFACE_OFFSET_R), wiring.read(&fields::SURFACE_OFFSET_Z)],
-            tangent: [wiring.read(&fields::SURFACE_TANGENT_R), wiring.read(&fields::SURFACE_TANGENT_Z)],
-            support_deficiency: support_deficiency.map(|field| wiring.read(field)),
-            weight: [wiring.read(&fields::GHOST_WEIGHT_R), wiring.read(&fields::GHOST_WEIGHT_Z)],
+            offset: fields::SURFACE_OFFSET.map(|field| wiring.read(field)),
+            tangent: fields::SURFACE_TANGENT.map(|field| wiring.read(field)),
+            support_deficiency: fields::SUPPORT_DEFICIENCY.map(|field| wiring.read(field)),
+            weight: fields::GHOST_WEIGHT.map(|field| wiring.read(field)),
             pressure: wiring.read(&fields::LAPLACE_PRESSURE),
             slope: wiring.read(&fields::LAPLACE_SLOPE),
             reference: wiring.read(&fields::REFERENCE_PRESSURE),

@@ -29,24 +29,11 @@ impl VelocityGradient {
     /// Updates the rate of deformation and its change; `with_rotation` where somebody needs the whole gradient.
     pub fn new(wiring: &mut Wiring, with_rotation: bool) -> Self {
         wiring.stage("velocity-gradient");
-        let moment = [&fields::MOMENT_RR, &fields::MOMENT_RZ, &fields::MOMENT_ZZ];
-        let sum = [
-            &fields::VELOCITY_SUM_RR,
-            &fields::VELOCITY_SUM_RZ,
-            &fields::VELOCITY_SUM_ZR,
-            &fields::VELOCITY_SUM_ZZ,
-        ];
-        let deformation = [&fields::DEFORMATION_RR, &fields::DEFORMATION_SHEAR, &fields::DEFORMATION_ZZ];
-        let change = [
-            &fields::DEFORMATION_CHANGE_RR,
-            &fields::DEFORMATION_CHANGE_SHEAR,
-            &fields::DEFORMATION_CHANGE_ZZ,
-        ];
         VelocityGradient {
-            moment: moment.map(|field| wiring.read(field)),
-            velocity_sum: sum.map(|field| wiring.read(field)),
-            deformation: deformation.map(|field| wiring.update(field)),
-            change: change.map(|field| wiring.update(field)),
+            moment: fields::MOMENT.map(|field| wiring.read(field)),
+            velocity_sum: fields::VELOCITY_SUM.map(|field| wiring.read(field)),
+            deformation: fields::DEFORMATION.map(|field| wiring.update(field)),
+            change: fields::DEFORMATION_CHANGE.map(|field| wiring.update(field)),
             rotation: with_rotation.then(|| wiring.write(&fields::ROTATION)),
             rates: [0.0; 2],
         }

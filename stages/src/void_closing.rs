@@ -3,7 +3,6 @@
 use crate::equation_of_state::Packing;
 use crate::fields;
 use crate::rows::PackedState;
-use crate::sort_bin::WIDEST_SKIN;
 use crate::surface::INSIDE;
 use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
 use meniscus_engine::lanes::{Lanes, WIDTH};
@@ -62,7 +61,7 @@ impl VoidClosing {
             rate: RATE * capillary_rate,
             rate_now: 0.0,
             longest: LONGEST / capillary_rate,
-            position: [wiring.read(&fields::RADIUS), wiring.read(&fields::AXIAL)],
+            position: fields::POSITION.map(|field| wiring.read(field)),
             surface: wiring.read(&fields::SURFACE),
             void_fraction: wiring.update(&fields::VOID_FRACTION),
             strain_rate: wiring.add(&fields::STRAIN_RATE),
@@ -75,8 +74,7 @@ impl VoidClosing {
         let (packed, surface) = (PackedState(&world.rows), world.store.read(self.surface));
         let (list, domain) = (&world.neighbours, &self.packing.domain);
         let (r, z, surface) = (&r[..], &z[..], &surface[..]);
-        // How far anyone may have moved since the list was built.
-        let slack = 0.25 * WIDEST_SKIN * self.packing.largest_size;
+        let slack = self.packing.slack();
         // In the order of the list's cells neighbours lie side by side. Images weigh nothing.
         let in_cells = list.in_cells();
         let count = in_cells.len();

@@ -61,8 +61,8 @@ impl WantedSize {
         WantedSize {
             packing,
             tension,
-            position: [wiring.read(&fields::RADIUS), wiring.read(&fields::AXIAL)],
-            velocity: [wiring.read(&fields::VELOCITY_R), wiring.read(&fields::VELOCITY_Z)],
+            position: fields::POSITION.map(|field| wiring.read(field)),
+            velocity: fields::VELOCITY.map(|field| wiring.read(field)),
             surface: wiring.read(&fields::SURFACE),
             pressure: wiring.read(&fields::LAPLACE_PRESSURE),
             tangent: wiring.read(&fields::SURFACE_TANGENT_Z),

@@ -16,7 +16,7 @@ impl Work {
     /// For the stage that the wiring is at, `with_energy` where the scene solves for the total energy.
     pub fn new(wiring: &mut Wiring, with_energy: bool) -> Option<Self> {
         with_energy.then(|| Work {
-            velocity: [wiring.read(&fields::VELOCITY_R), wiring.read(&fields::VELOCITY_Z)],
+            velocity: fields::VELOCITY.map(|field| wiring.read(field)),
             power: wiring.add(&fields::POWER),
         })
     }

@@ -5,7 +5,7 @@
 
 use meniscus_cases::simulation::Simulation;
 use meniscus_tests::curvature::{Errors, Foot, SURFACES, Surface, UNIT, feet, scene};
-use meniscus_tests::drops;
+use meniscus_tests::drops::{self, column};
 use meniscus_tests::harmonics::Harmonics;
 
 /// Packings per row: the particles of each are a little smaller than those of the one before.
@@ -191,6 +191,27 @@ fn a_thread_three_particles_across() {
     for foot in feet.iter().filter(along) {
         assert!((0.2..1.2).contains(&foot.curvature), "{foot:?}");
     }
+}
+
+/// A thread's small particles make drops smaller than the scene's particles could: those beside the surface feel as much of
+/// it as those at it.
+#[test]
+fn a_drop_of_small_particles() {
+    const SMALLER: f64 = 0.3;
+    let mut simulation = Surface::Sphere.start(5.0);
+    for (name, power) in
+        [("radius", 1), ("axial", 1), ("surface_offset_r", 1), ("surface_offset_z", 1), ("mass", 3)]
+    {
+        let values = column(&simulation, name).into_iter().map(|value| SMALLER.powi(power) * value);
+        assert!(simulation.world.store.set(name, &values.collect::<Vec<f64>>()));
+    }
+    drops::advance(&mut simulation, 1);
+    let (measured, carried): (Vec<Foot>, Vec<Foot>) =
+        feet(&simulation).iter().partition(|foot| foot.is_measured);
+    let mean = measured.iter().map(|foot| foot.curvature).sum::<f64>() / measured.len() as f64;
+    assert!(mean > 1.2 * 5.0, "{mean}: what particles of the scene's size could tell is 5");
+    let Errors { largest, .. } = Errors::of(&carried, |_| mean);
+    assert!(carried.len() > 5 && largest < 0.05, "{largest}");
 }
 
 /// At the tip of a spheroid of aspect ratio five the radius of curvature is two particle sizes: a quarter of the

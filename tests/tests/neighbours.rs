@@ -5,7 +5,7 @@ use meniscus_engine::domain::Domain;
 use meniscus_engine::pipeline::{Stage, World};
 use meniscus_engine::wiring::Wiring;
 use meniscus_stages::equation_of_state::Packing;
-use meniscus_stages::sort_bin::SortBin;
+use meniscus_stages::sort_bin::{LISTED, SortBin};
 use meniscus_tests::liquid::{Random, SIZE};
 use std::collections::HashSet;
 use std::f64::consts::PI;
@@ -199,7 +199,7 @@ fn the_skin_follows_the_speed() {
         z[first] += (times - 1.0) * moved;
         cloud.world.store.set("axial", &z);
         cloud.world.clock = Clock::at(10, moved / a_step * 1e-9, 1e-9);
-        cloud.world.clock.restore_mark("list", 0.0);
+        cloud.world.clock.set_number(LISTED, 0.0);
         cloud.run();
         assert_eq!(cloud.missing(), 0);
         let (listed, reach, identities) = (cloud.column("list_reach"), cloud.reach(), cloud.identities());

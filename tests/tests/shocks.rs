@@ -45,6 +45,16 @@ fn density_between(simulation: &Simulation, [low, high]: [f64; 2]) -> f64 {
     inside.map(|(_, mass)| mass).sum::<f64>() / (0.2 * PI * (high * high - low * low))
 }
 
+/// Who has no heat has no waves, and no impedance.
+#[test]
+fn a_gas_without_heat_starts_with_any_flux() {
+    for flux in ["first-order", "reconstructed"] {
+        let flux = format!("method.flux={flux}");
+        let scene = drops::scene(NOH, &["size=\"0.1 m\"", "method.time_integration=adams-bashforth", &flux]);
+        drops::advance(&mut drops::start(&scene), 50);
+    }
+}
+
 #[test]
 fn a_cold_gas_is_stopped_by_the_shock_of_nohs_problem() {
     for heat in ["heat=\"0 J/kg\"", "heat=\"1e-6 J/kg\""] {

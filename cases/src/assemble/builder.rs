@@ -289,7 +289,7 @@ impl Builder<'_> {
         let colour = method.colour_guard > 0.0 || self.colour_curvature();
         let guard = colour.then(|| ColourGuard {
             field: self.colour.clone(),
-            highest: if method.colour_guard > 0.0 { method.colour_guard } else { f64::INFINITY },
+            highest: Some(method.colour_guard).filter(|highest| *highest > 0.0),
             support: method.colour_support,
             with_offset: self.colour_curvature(),
         });

@@ -1,6 +1,7 @@
 //! From a simulation to a checkpoint, and back.
 
-use super::{Simulation, StartError, crash};
+use super::crash::{self, Crash};
+use super::{Simulation, StartError};
 use crate::assemble::{Assembly, Physics, assemble};
 use crate::scene::Scene;
 use meniscus_engine::checkpoint::{self, Checkpoint, Column, Data};
@@ -8,16 +9,9 @@ use meniscus_engine::clock::Clock;
 use meniscus_engine::field::{Description, Role, Values};
 use meniscus_engine::pipeline::{Fault, World};
 use meniscus_engine::store::Store;
-use meniscus_stages::correction::WHOLE_MASS;
 use meniscus_stages::fields;
-use meniscus_stages::reference_pressure::FIRST_REFERENCE;
-use meniscus_stages::surface_interval::{COMPUTED, HOLDS_UNTIL};
-use meniscus_stages::wanted_size::MOST_REFINED;
+use std::borrow::Cow;
 
-/// The marks that stages set on the clock.
-const MARKS: [&str; 3] = [COMPUTED, HOLDS_UNTIL, "list"];
-/// The numbers of the whole scene that stages keep there.
-const NUMBERS: [&str; 3] = [FIRST_REFERENCE, WHOLE_MASS, MOST_REFINED];
 /// Start of the names of numbers that count the steps which a bound has set.
 const BOUND: &str = "steps bound by ";
 
@@ -105,39 +99,34 @@ fn values(data: Data) -> Values {
 }
 
 fn written_clock(clock: &Clock) -> checkpoint::Clock {
-    let named = clock.marks().iter().chain(clock.numbers());
-    let named = named.map(|&(name, value)| (name.to_owned(), value));
+    let numbers = clock.numbers().iter().map(|(name, value)| (name.to_string(), *value));
     let bounds = clock.bounds_met().iter().map(|(reason, steps)| (format!("{BOUND}{reason}"), *steps as f64));
     checkpoint::Clock {
         step: clock.step,
         time: clock.time,
         step_size: clock.previous_step_size,
-        scalars: named.chain(bounds).collect(),
+        scalars: numbers.chain(bounds).collect(),
     }
 }
 
 fn read_clock(written: &checkpoint::Clock) -> Result<Clock, String> {
+    if let Some(crash) = Crash::told_by(written) {
+        return Err(format!("in it `{}` broke down: resume from an earlier one", crash.stage));
+    }
     let [time, step_size] = [written.time, written.step_size];
     if !(time >= 0.0 && time.is_finite() && step_size >= 0.0 && step_size.is_finite()) {
         return Err(format!("its time is {time:e} s and its step size {step_size:e} s"));
     }
     let mut clock = Clock::at(written.step, time, step_size);
-    for (name, time) in &written.scalars {
-        if let Some(reason) = name.strip_prefix(BOUND) {
-            if !(*time >= 0.0 && *time <= written.step as f64) {
-                return Err(format!("the number `{name}` of its clock is {time}"));
-            }
-            clock.restore_bound(reason, *time as u64);
-            continue;
+    for (name, value) in &written.scalars {
+        let reason = name.strip_prefix(BOUND);
+        let steps = 0.0..=written.step as f64;
+        if !value.is_finite() || reason.is_some() && !steps.contains(value) {
+            return Err(format!("the number `{name}` of its clock is {value}"));
         }
-        if !time.is_finite() {
-            return Err(format!("the mark `{name}` of its clock is {time}"));
-        }
-        let among = |names: &[&'static str]| names.iter().copied().find(|known| known == name);
-        match (among(&MARKS), among(&NUMBERS)) {
-            (Some(name), _) => clock.restore_mark(name, *time),
-            (_, Some(name)) => clock.set_number(name, *time),
-            _ => return Err(format!("its clock has an unknown mark `{name}`")),
+        match reason {
+            Some(reason) => clock.restore_bound(reason, *value as u64),
+            None => clock.restore_number(Cow::Owned(name.clone()), *value),
         }
     }
     Ok(clock)
@@ -189,6 +178,16 @@ fn check_state(store: &Store, origin: f64) -> Result<(), String> {
         if let Some(value) = bad {
             return Err(format!("a {name} is {value:e}: it must be above {above:e}"));
         }
+    }
+    let refinement = store.by_name::<f64>(fields::REFINEMENT.description.name);
+    let mut refinement = refinement.iter().flat_map(|column| column.iter());
+    if let Some(value) = refinement.find(|value| !(0.0..1.0).contains(*value)) {
+        return Err(format!("a refinement is {value:e}: it must be at least 0 and below 1"));
+    }
+    // Those that are split off later get the numbers after the largest.
+    let identities = store.by_name::<u32>(fields::IDENTITY.description.name);
+    if identities.is_some_and(|identities| identities.contains(&u32::MAX)) {
+        return Err(format!("a particle has the identity {}, the largest there is", u32::MAX));
     }
     // Sums over drops have one place for every number up to the largest.
     let drops = store.by_name::<u32>(fields::DROP.description.name);

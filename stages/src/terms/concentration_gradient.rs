@@ -22,10 +22,7 @@ pub struct ConcentrationGradient {
 impl ConcentrationGradient {
     /// Writes the two components; `theta` is the smoothing length over the sum of two particles' sizes.
     pub fn new(wiring: &mut Wiring, theta: f64) -> Self {
-        let gradient = [
-            wiring.write(&fields::CONCENTRATION_GRADIENT_R),
-            wiring.write(&fields::CONCENTRATION_GRADIENT_Z),
-        ];
+        let gradient = fields::CONCENTRATION_GRADIENT.map(|field| wiring.write(field));
         // Two equal particles at their regular distance D lie at q = 1/(4 theta).
         let inside = (1.0 - 1.0 / (4.0 * theta)).max(0.1);
         ConcentrationGradient { inverse_regular: inside.powi(-3), gradient }

@@ -19,7 +19,7 @@ pub struct GhostWeight<G> {
 impl<G: Geometry> GhostWeight<G> {
     /// Writes the weight vector.
     pub fn new(wiring: &mut Wiring, geometry: G) -> Self {
-        let weight = [wiring.write(&fields::GHOST_WEIGHT_SUM_R), wiring.write(&fields::GHOST_WEIGHT_SUM_Z)];
+        let weight = fields::GHOST_WEIGHT_SUM.map(|field| wiring.write(field));
         GhostWeight { geometry, weight }
     }
 }

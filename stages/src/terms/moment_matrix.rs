@@ -16,8 +16,7 @@ pub struct MomentMatrix {
 impl MomentMatrix {
     /// Writes L_rr, L_rz and L_zz.
     pub fn new(wiring: &mut Wiring) -> Self {
-        let moment = [&fields::MOMENT_RR, &fields::MOMENT_RZ, &fields::MOMENT_ZZ];
-        MomentMatrix { moment: moment.map(|field| wiring.write(field)) }
+        MomentMatrix { moment: fields::MOMENT.map(|field| wiring.write(field)) }
     }
 }
 

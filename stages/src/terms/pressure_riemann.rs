@@ -26,12 +26,11 @@ impl<G: Geometry, F> PressureRiemann<G, F> {
     /// Writes the force density, and that of the dissipative part apart or with it. `images` where coordinates begin at the
     /// axis and pairs know of no images beyond it.
     pub fn new(wiring: &mut Wiring, geometry: G, images: Option<(Support, F)>, apart: bool) -> Self {
-        let dissipation = [&fields::DISSIPATION_R, &fields::DISSIPATION_Z];
         PressureRiemann {
             geometry,
             images,
-            force: [wiring.write(&fields::FORCE_R), wiring.write(&fields::FORCE_Z)],
-            dissipation: apart.then(|| dissipation.map(|field| wiring.write(field))),
+            force: fields::FORCE.map(|field| wiring.write(field)),
+            dissipation: apart.then(|| fields::DISSIPATION.map(|field| wiring.write(field))),
         }
     }
 }

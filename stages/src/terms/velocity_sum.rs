@@ -17,13 +17,7 @@ pub struct VelocitySum {
 impl VelocitySum {
     /// Writes the four components.
     pub fn new(wiring: &mut Wiring) -> Self {
-        let sum = [
-            &fields::VELOCITY_SUM_RR,
-            &fields::VELOCITY_SUM_RZ,
-            &fields::VELOCITY_SUM_ZR,
-            &fields::VELOCITY_SUM_ZZ,
-        ];
-        VelocitySum { sum: sum.map(|field| wiring.write(field)) }
+        VelocitySum { sum: fields::VELOCITY_SUM.map(|field| wiring.write(field)) }
     }
 }
 

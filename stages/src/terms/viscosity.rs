@@ -29,7 +29,7 @@ pub struct Viscosity<G> {
 impl<G: Geometry> Viscosity<G> {
     /// Writes the force density of a viscosity in Pa s and, with the energy equation, its power density.
     pub fn new(wiring: &mut Wiring, geometry: G, viscosity: f64, with_energy: bool) -> Self {
-        let force = [wiring.write(&fields::VISCOUS_FORCE_R), wiring.write(&fields::VISCOUS_FORCE_Z)];
+        let force = fields::VISCOUS_FORCE.map(|field| wiring.write(field));
         let power = with_energy.then(|| wiring.write(&fields::VISCOUS_POWER));
         Viscosity { geometry, viscosity, force, power }
     }

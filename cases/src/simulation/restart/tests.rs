@@ -117,5 +117,18 @@ fn what_does_not_fit_is_said() {
     refused(&|c| set(c, "radius", -1e-9), "a radius is");
     refused(&|c| mark(c, "drop", u32::MAX), "a drop has the number 4294967295");
     refused(&|c| c.clock.time = f64::NAN, "time is NaN");
-    refused(&|c| c.clock.scalars.push(("gauge".to_owned(), 1.0)), "unknown mark `gauge`");
+    refused(
+        &|c| c.clock.scalars.push(("gauge".to_owned(), f64::NAN)),
+        "the number `gauge` of its clock is NaN",
+    );
+    refused(&|c| mark(c, "identity", u32::MAX), "the largest there is");
+    let crashed = |c: &mut Checkpoint| {
+        let told = ["fault in stage flux", "fault of quantity density", "fault of particle"];
+        let told = told.into_iter().chain(["fault at radius", "fault at axial"]);
+        c.clock.scalars.extend(told.map(|name| (name.to_owned(), 1.0)));
+    };
+    refused(&crashed, "in it `flux` broke down");
+    if good.column("refinement").is_some() {
+        refused(&|c| set(c, "refinement", 1.0), "a refinement is 1e0");
+    }
 }
