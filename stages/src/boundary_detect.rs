@@ -285,4 +285,13 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn without_a_highest_colour_nobody_is_refused() {
+        let deep = Colour { value: 1.0, ..Colour::default() };
+        for (highest, expected) in [(None, false), (Some(0.85), true)] {
+            let guard = ColourGuard { field: Arc::default(), highest, support: SUPPORT, with_offset: false };
+            assert_eq!(guard.is_deep(&deep, 1.0, 1.0), expected);
+        }
+    }
 }

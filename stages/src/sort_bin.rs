@@ -283,3 +283,24 @@ impl ChunkStage for ListCheck {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use meniscus_engine::domain::Domain;
+
+    /// A ring that flies outward becomes smaller, which gives it room in its circle; but stages that look for the surface
+    /// count on nobody having moved farther than the slack.
+    #[test]
+    fn nobody_moves_farther_than_the_slack() {
+        let packing = Packing { domain: Domain::default(), theta: 0.5, largest_size: 2.0 };
+        let listed = packing.reach(1.0) + 0.5;
+        let holds = |way: f64| {
+            let radius = 2.0 + way;
+            let mass = [2.0 * PI * 2.0];
+            packing.are_within([&[radius], &[0.0], &[1.0], &mass], [&[2.0], &[0.0], &[listed]])
+        };
+        assert!(packing.reach(packing.size(2.6, 1.0, 4.0 * PI)) + 0.6 < listed, "there is room");
+        assert!(holds(0.4) && !holds(0.6));
+    }
+}
