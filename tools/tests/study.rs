@@ -125,3 +125,19 @@ fn an_interrupted_run_is_marked_and_doubts_are_told_once() {
     let page = fs::read_to_string(path.join("out/study.html")).unwrap();
     assert!(page.contains("interrupted after 1 of 3 runs"), "{page}");
 }
+
+#[test]
+fn a_run_that_a_measure_does_not_apply_to_keeps_its_columns() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = DROP.replace("laplace-pressure = { radius", "oscillation = { mode = 2, radius");
+    fs::write(folder.path().join("drop.toml"), scene).unwrap();
+    // Too viscous to oscillate, the second has no exact values.
+    let viscosities = "liquid.viscosity=0 Pa s,0.5 Pa s";
+    let arguments = ["study", "drop.toml", "--vary", viscosities, "--out", "out", "--quiet"];
+    let (code, said) = meniscus(folder.path(), &arguments);
+    assert_eq!(code, Some(0), "{said}");
+    let page = fs::read_to_string(folder.path().join("out/study.html")).unwrap();
+    let cells = |row: &str| row.matches("</td>").count() + row.matches("</th>").count();
+    let rows: Vec<usize> = page.split("<tr>").skip(1).map(cells).collect();
+    assert!(rows.len() == 3 && rows.iter().all(|cells| *cells == rows[0]), "{rows:?}\n{page}");
+}

@@ -30,6 +30,12 @@ struct Row {
     core_ns_per_particle_step: f64,
 }
 
+impl Row {
+    fn measured(&self, name: &str) -> Option<&Measured> {
+        self.measures.iter().find(|measure| measure.name == name)
+    }
+}
+
 /// All runs of a study.
 #[derive(Serialize)]
 pub(super) struct Results {
@@ -75,23 +81,37 @@ impl Results {
         (done < self.wanted).then(|| format!("interrupted after {done} of {} runs", self.wanted))
     }
 
+    /// The names of all that any run has measured, and whether any has an exact value of it: a run that a measure
+    /// does not apply to has the same columns.
+    fn columns(&self) -> Vec<(&str, bool)> {
+        let mut columns: Vec<(&str, bool)> = Vec::new();
+        for measure in self.rows.iter().flat_map(|row| &row.measures) {
+            match columns.iter_mut().find(|(name, _)| *name == measure.name) {
+                Some((_, exact)) => *exact |= measure.exact.is_some(),
+                None => columns.push((&measure.name, measure.exact.is_some())),
+            }
+        }
+        columns
+    }
+
     fn head(&self) -> Vec<String> {
         let mut head = self.keys.clone();
-        for measure in self.rows.first().iter().flat_map(|row| &row.measures) {
-            head.push(measure.name.clone());
-            head.extend(measure.exact.map(|_| "error".to_owned()));
+        for (name, exact) in self.columns() {
+            head.push(name.to_owned());
+            head.extend(exact.then(|| "error".to_owned()));
         }
         head.extend(["particles", "core-seconds", "per particle and step"].map(str::to_owned));
         head
     }
 
-    fn cells(row: &Row) -> Vec<String> {
+    fn cells(&self, row: &Row) -> Vec<String> {
+        let none = || "-".to_owned();
         let mut cells = row.settings.clone();
-        for measure in &row.measures {
-            cells.push(measure.shown());
-            if measure.exact.is_some() {
-                cells.push(measure.error.map_or("-".to_owned(), percent));
-            }
+        for (name, exact) in self.columns() {
+            let measure = row.measured(name);
+            cells.push(measure.map_or_else(none, Measured::shown));
+            let error = measure.and_then(|measure| measure.error);
+            cells.extend(exact.then(|| error.map_or_else(none, percent)));
         }
         cells.extend([grouped(row.particles), significant(row.core_seconds, 3)]);
         cells.push(match row.status {
@@ -107,7 +127,7 @@ impl Results {
         let mut table = Table::new();
         table.load_style(presets::UTF8_HORIZONTAL_ONLY).set_header(self.head());
         for row in &self.rows {
-            table.add_row(Self::cells(row));
+            table.add_row(self.cells(row));
         }
         for column in table.column_iter_mut().skip(self.keys.len()) {
             column.set_cell_alignment(CellAlignment::Right);
@@ -129,7 +149,7 @@ impl Results {
             plot(&out.join("study.png"), &self.plot(&series, &label))?;
             charts.push(chart(&Chart { y_label: label, series: &series, target: None }));
         }
-        let rows = self.rows.iter().map(|row| Self::cells(row).into_iter().map(Cell::plain).collect());
+        let rows = self.rows.iter().map(|row| self.cells(row).into_iter().map(Cell::plain).collect());
         let section = Section {
             heading: "All runs".to_owned(),
             notes: self.orders(&series),
@@ -149,17 +169,19 @@ impl Results {
         let wrong = |error: csv::Error| OutputError::data(path, error.to_string());
         let mut file = csv::Writer::from_path(path).map_err(wrong)?;
         let mut head = self.keys.clone();
-        for measure in self.rows.first().iter().flat_map(|row| &row.measures) {
-            head.extend([measure.name.clone(), format!("{} error", measure.name)]);
+        for (name, _) in self.columns() {
+            head.extend([name.to_owned(), format!("{name} error")]);
         }
         head.extend(["particle size in m", "particles", "steps", "core_seconds"].map(str::to_owned));
         head.extend(["core_ns_per_particle_step", "status"].map(str::to_owned));
         file.write_record(&head).map_err(wrong)?;
         for row in &self.rows {
             let mut record = row.settings.clone();
-            for measure in &row.measures {
-                let error = measure.error.map_or(String::new(), |error| error.to_string());
-                record.extend([measure.value.to_string(), error]);
+            for (name, _) in self.columns() {
+                let measure = row.measured(name);
+                let error = measure.and_then(|measure| measure.error);
+                let numbers = [measure.map(|measure| measure.value), error];
+                record.extend(numbers.map(|number| number.map_or(String::new(), |number| number.to_string())));
             }
             record.extend([row.particle_size.to_string(), row.particles.to_string(), row.steps.to_string()]);
             record.extend([row.core_seconds.to_string(), row.core_ns_per_particle_step.to_string()]);
