@@ -141,6 +141,31 @@ fn a_series_that_is_damaged_or_missing_is_told() {
 }
 
 #[test]
+fn a_series_that_lacks_rows_is_refused() {
+    let place = Place::with_run();
+    let series = place.folder.path().join("run/series.csv");
+    let whole = fs::read_to_string(&series).unwrap();
+    let lines: Vec<&str> = whole.split_inclusive('\n').collect();
+    let inner = [&lines[..3], &lines[4..]].concat().concat();
+    for (text, hole) in [(lines[..4].concat(), "20 and 70"), (inner, "10 and 30")] {
+        fs::write(&series, &text).unwrap();
+        let told = place.expect(2, &["resume", "run", "--steps", "80"]);
+        assert!(told.contains("series.csv") && told.contains(&format!("between steps {hole}")), "{told}");
+        assert!(fs::read_to_string(&series).unwrap() == text);
+        let scene = fs::read_to_string(place.folder.path().join("run/scene.toml")).unwrap();
+        assert!(scene.contains("steps = 60"), "the end stays as it was: {scene}");
+        let mut verify = Command::new(env!("CARGO_BIN_EXE_meniscus"));
+        let output = verify.args(["inspect", "verify", "run"]).current_dir(place.folder.path()).output();
+        let output = output.unwrap();
+        let listed = String::from_utf8_lossy(&output.stdout);
+        assert!(output.status.code() == Some(1) && listed.contains(&format!("steps {hole} are")), "{listed}");
+    }
+    fs::write(&series, lines[0]).unwrap();
+    let told = place.expect(0, &["resume", "run", "--steps", "80"]);
+    assert!(told.contains("the series begins anew"), "{told}");
+}
+
+#[test]
 fn a_checkpoint_of_another_scene_is_refused() {
     let place = Place::with_run();
     let scene = place.folder.path().join("run/scene.toml");

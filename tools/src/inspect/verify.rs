@@ -4,7 +4,7 @@ use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use meniscus_engine::checkpoint::{CheckpointError, Mapped};
+use meniscus_engine::checkpoint::{CheckpointError, Mapped, list};
 use serde::Serialize;
 
 use super::failure::{Failure, Verdict};
@@ -118,10 +118,26 @@ fn files(named: &Path) -> Result<Vec<PathBuf>, Failure> {
     Ok(found)
 }
 
+/// A series reaches without holes from its first row to the newest checkpoint beside it.
+fn check_series(file: &Path) -> Result<String, Failure> {
+    let series = series::read(file).map_err(unread)?;
+    let every = series.rows.windows(2).map(|pair| pair[1].step.saturating_sub(pair[0].step)).min();
+    if let (Some(every), Some(last)) = (every, series.rows.last()) {
+        let checkpoints = list(&checkpoints(file.parent().unwrap_or(Path::new(""))));
+        let newest = checkpoints.ok().and_then(|found| Some(found.last()?.0));
+        let end = newest.map_or(last.step, |newest| newest.max(last.step));
+        if let Some((before, after)) = series.hole(every.max(1), end) {
+            let problem = format!("the rows between steps {before} and {after} are missing");
+            return Err(Failure::File(OutputError::content(file, problem)));
+        }
+    }
+    Ok(format!("{} rows", series.rows.len()))
+}
+
 fn check(file: &Path) -> Result<String, Failure> {
     let name = file.file_name().and_then(|name| name.to_str());
     if name == Some("series.csv") {
-        return Ok(format!("{} rows", series::read(file).map_err(unread)?.rows.len()));
+        return check_series(file);
     }
     if name == Some("summary.json") {
         return Ok(format!("{} steps", summary::Summary::read(file).map_err(unread)?.steps));

@@ -46,6 +46,18 @@ impl Series {
         let index = self.columns.iter().position(|column| column.name == name)?;
         Some(self.rows.iter().map(|row| row.values[index]).collect())
     }
+
+    /// The steps before and after the first hole in what should be a row every so many steps, from the first row on to
+    /// `last_step`. (A series may begin late: where its file was removed, the resumed run begins it anew.)
+    pub fn hole(&self, every: u64, last_step: u64) -> Option<(u64, u64)> {
+        let steps = self.rows.iter().map(|row| row.step).filter(|step| *step <= last_step);
+        let next = (last_step - last_step % every).saturating_add(every);
+        let steps: Vec<u64> = steps.chain([next]).collect();
+        steps
+            .windows(2)
+            .map(|pair| (pair[0], pair[1]))
+            .find(|(before, after)| before.checked_add(every) != Some(*after))
+    }
 }
 
 /// Appends rows to `series.csv`; each is on its way to the disk at once.
@@ -232,6 +244,19 @@ mod tests {
             writer.append(step, &values(step)).unwrap();
         }
         assert_eq!(fs::read(&whole).unwrap(), fs::read(&resumed).unwrap());
+    }
+
+    #[test]
+    fn holes_are_found() {
+        let holes = |steps: &[u64], last| {
+            let rows = steps.iter().map(|step| Row { step: *step, values: Vec::new() }).collect();
+            Series { columns: Vec::new(), rows }.hole(10, last)
+        };
+        assert_eq!(holes(&[0, 10, 20], 25), None);
+        assert_eq!(holes(&[0, 10, 20], 30), Some((20, 40)));
+        assert_eq!(holes(&[0, 20, 30], 25), Some((0, 20)));
+        assert_eq!(holes(&[90, 100], 100), None, "begun anew");
+        assert_eq!(holes(&[90, 100], 85), None, "begun anew after the checkpoint");
     }
 
     #[test]

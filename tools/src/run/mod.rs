@@ -210,13 +210,14 @@ impl Run {
     }
 
     fn go(&self, mut simulation: Simulation, filling: Stopwatch) -> Result<Summary, Failure> {
-        self.folder.write_scene(&self.scene.text)?;
         if matches!(self.display, Display::Alone) {
             eprintln!("{} particles", grouped(simulation.world.store.len() as u64));
         }
         let begins = simulation.world.clock.step == 0;
         let open = if begins { Recorder::start } else { Recorder::resume };
         let mut recorder = open(&self.scene, &self.folder, &simulation)?;
+        // Not before: a resumed run that cannot take up its files leaves the scene's end as it was.
+        self.folder.write_scene(&self.scene.text)?;
         if begins {
             recorder.record(&simulation)?;
             // What has been placed need not be placed again.

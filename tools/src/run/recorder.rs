@@ -81,7 +81,11 @@ impl<'a> Recorder<'a> {
             eprintln!("`{}` is missing: the series begins anew at step {}", path.display(), clock.step);
         }
         if goes_on {
-            read_history(&path, clock.step, &mut history)?;
+            read_history(&path, (observed_every(scene), clock.step), &mut history)?;
+            if history.is_empty() {
+                let path = path.display();
+                eprintln!("`{path}` has no row up to step {}: the series begins anew there", clock.step);
+            }
         }
         let open = || SeriesWriter::open_for_resume(&path, clock.step);
         let continued = goes_on.then(open).transpose()?;
@@ -149,7 +153,8 @@ impl<'a> Recorder<'a> {
     }
 }
 
-fn read_history(path: &Path, last_step: u64, history: &mut History) -> Result<(), Failure> {
+/// The rows up to a step, one every so many steps, which a run goes on with.
+fn read_history(path: &Path, (every, last_step): (u64, u64), history: &mut History) -> Result<(), Failure> {
     let series = series::read(path).map_err(|error| {
         let way_out = "mend it, or remove it to go on without the earlier rows";
         Failure::input(format!("{error}; {way_out}"))
@@ -160,6 +165,14 @@ fn read_history(path: &Path, last_step: u64, history: &mut History) -> Result<()
     if !matches {
         return Err(Failure::input(format!(
             "`{}` has other columns than this run; remove it to go on without the earlier rows",
+            path.display()
+        )));
+    }
+    // What measures fit across a hole is wrong, and nobody would know.
+    if let Some((before, after)) = series.hole(every, last_step) {
+        return Err(Failure::input(format!(
+            "`{}` lacks the rows between steps {before} and {after}, before the checkpoint of step {last_step}; \
+             restore them from a copy, or remove the file to go on without the earlier rows",
             path.display()
         )));
     }
