@@ -109,6 +109,25 @@ fn without_any_whole_checkpoint_nothing_is_touched() {
 }
 
 #[test]
+fn results_without_checkpoints_are_not_overwritten() {
+    let place = Place::with_run();
+    let run = place.folder.path().join("run");
+    place.checkpoints().iter().for_each(|(path, _)| fs::remove_file(path).unwrap());
+    let results = || ["series.csv", "summary.json"].map(|name| fs::read(run.join(name)).ok());
+    // A run that was killed has no summary yet.
+    for step in ["with a summary", "without one"] {
+        let before = results();
+        let told = place.expect(2, &["resume", "run"]);
+        assert!(told.contains("no checkpoint any more") && told.contains("--out DIR"), "{step}: {told}");
+        assert!(results() == before);
+        fs::remove_file(run.join("summary.json")).ok();
+    }
+    // Nothing has been recorded before the first step.
+    fs::remove_file(run.join("series.csv")).unwrap();
+    place.expect(0, &["resume", "run"]);
+}
+
+#[test]
 fn newer_formats_and_other_byte_orders_are_refused() {
     let place = Place::with_run();
     let whole = fs::read(place.checkpoint(60)).unwrap();

@@ -12,6 +12,7 @@ use super::{Display, Run, Start, is_over, listen, tell};
 use crate::command::{ResumeArguments, pool};
 use crate::failure::Failure;
 use crate::output::folder::RunFolder;
+use crate::output::series::{self, Series};
 use crate::output::summary::{Status, Summary};
 use crate::output::units::{counted, grouped, quantity};
 
@@ -68,6 +69,14 @@ fn find(folder: &RunFolder) -> Result<Found, Failure> {
         }
         return Found::of(folder, path.display().to_string(), checkpoint);
     }
+    if is_recorded(folder) {
+        return Err(Failure::input(format!(
+            "`{0}` holds results, but no checkpoint any more from which to go on; bring its checkpoints back from a \
+             copy, or run `{1}` anew into another folder with `--out DIR` (or into this one with `--overwrite`)",
+            folder.path().display(),
+            folder.scene().display(),
+        )));
+    }
     // Interrupted before its first checkpoint: nothing is lost but the time since its start.
     let path = folder.scene();
     let text = fs::read_to_string(&path).map_err(|error| {
@@ -79,6 +88,16 @@ fn find(folder: &RunFolder) -> Result<Found, Failure> {
     })?;
     let name = path.display().to_string();
     Ok(Found { source: name.clone(), name, text, start: Start::Scene })
+}
+
+/// Whether a run without checkpoints once had some. From the first step on there is one, or what was written of it when
+/// the run was killed.
+fn is_recorded(folder: &RunFolder) -> bool {
+    let nothing = fs::read_dir(folder.checkpoints()).is_ok_and(|mut entries| entries.next().is_none());
+    let path = folder.series();
+    let begun = |series: Series| series.rows.iter().any(|row| row.step > 0);
+    let steps = path.exists() && series::read(&path).map_or(true, begun);
+    folder.summary().exists() || (nothing && steps)
 }
 
 impl Found {
