@@ -190,6 +190,23 @@ fn a_run_that_was_killed_on_its_way_to_a_new_end_goes_there() {
 }
 
 #[test]
+fn a_damaged_index_of_frames_is_told_and_loses_none() {
+    let place = Place::new();
+    place.expect(0, &["run", "drop.toml", "--out", "run", "--steps", "83"]);
+    let (index, list) = (place.path("run/frames/index.json"), place.path("run/particles.pvd"));
+    let (whole, before) = (fs::read(&index).unwrap(), fs::read(&list).unwrap());
+    fs::write(&index, &whole[..whole.len() / 2]).unwrap();
+    let said = place.expect(1, &["inspect", "verify", "run"]);
+    assert!(said.contains("index.json`: no index of frames"), "{said}");
+    let said = unwrapped(&place.expect(2, &["resume", "run", "--steps", "10000"]));
+    assert!(said.contains("index.json") && said.contains("remove it"), "{said}");
+    assert!(fs::read(&list).unwrap() == before);
+    fs::remove_file(&index).unwrap();
+    let said = place.expect(0, &["resume", "run", "--steps", "10000"]);
+    assert!(said.contains("particles.pvd begins anew at step 83"), "{said}");
+}
+
+#[test]
 fn an_end_that_has_passed_is_refused() {
     let place = Place::new();
     place.expect(0, &["run", "drop.toml", "--out", "run", "--steps", "83"]);

@@ -11,12 +11,13 @@ use super::failure::{Failure, Verdict};
 use super::open::{checkpoints, particles};
 use super::print::{self, number};
 use crate::output::{OutputError, series, summary};
+use crate::run::count_frames;
 
 /// What to check.
 #[derive(clap::Args, Debug)]
 #[command(after_help = "\
 Examples:
-  meniscus inspect verify runs/drop                       checkpoints, series and summary of a run
+  meniscus inspect verify runs/drop                       checkpoints, series, summary and index of frames
   meniscus inspect verify runs/drop/checkpoints/step-*    some of its checkpoints
   meniscus inspect verify runs/* --json
 
@@ -97,7 +98,7 @@ fn unread(error: OutputError) -> Failure {
     }
 }
 
-/// A file itself; of a run's folder all checkpoints, oldest first, its series and its summary.
+/// A file itself; of a run's folder all checkpoints, oldest first, its series, its summary and its index of frames.
 fn files(named: &Path) -> Result<Vec<PathBuf>, Failure> {
     if !named.is_dir() {
         return Ok(vec![named.to_path_buf()]);
@@ -113,7 +114,7 @@ fn files(named: &Path) -> Result<Vec<PathBuf>, Failure> {
         }
     }
     found.sort();
-    let others = ["series.csv", "summary.json"].map(|name| named.join(name));
+    let others = ["series.csv", "summary.json", "frames/index.json"].map(|name| named.join(name));
     found.extend(others.into_iter().filter(|path| path.exists()));
     Ok(found)
 }
@@ -138,6 +139,9 @@ fn check(file: &Path) -> Result<String, Failure> {
     let name = file.file_name().and_then(|name| name.to_str());
     if name == Some("series.csv") {
         return check_series(file);
+    }
+    if name == Some("index.json") {
+        return Ok(format!("{} frames", count_frames(file).map_err(unread)?));
     }
     if name == Some("summary.json") {
         return Ok(format!("{} steps", summary::Summary::read(file).map_err(unread)?.steps));

@@ -27,7 +27,7 @@ pub(crate) fn write_atomic(
 ///
 /// # Errors
 /// When the file cannot be read, or is no text.
-pub(super) fn read_text(path: &Path) -> OutputResult<String> {
+pub(crate) fn read_text(path: &Path) -> OutputResult<String> {
     let bytes = std::fs::read(path).map_err(OutputError::file("read", path))?;
     String::from_utf8(bytes).map_err(|error| OutputError::content(path, format!("no text: {error}")))
 }

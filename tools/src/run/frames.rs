@@ -1,8 +1,7 @@
 //! Frames: particles for ParaView and pictures, at equal distances in time.
 
-use std::fs;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use meniscus_cases::scene::Scene;
 use meniscus_cases::simulation::Simulation;
@@ -10,7 +9,8 @@ use meniscus_stages::fields;
 use serde::{Deserialize, Serialize};
 
 use super::columns::{Shown, column, pressure, shown, size};
-use crate::output::atomic::write_atomic;
+use crate::failure::Failure;
+use crate::output::atomic::{read_text, write_atomic};
 use crate::output::colour::ColourMap;
 use crate::output::folder::RunFolder;
 use crate::output::picture::{Particles, Picture, Shade, Window, draw_picture, write_picture};
@@ -58,14 +58,27 @@ impl Frames {
     }
 
     /// The frames of an earlier run up to a step and its time; later ones will be made again.
-    pub(super) fn resume(folder: &RunFolder, scene: &Scene, step: u64, time: f64) -> Self {
+    ///
+    /// # Errors
+    /// When the index is damaged: the list for ParaView would lose them.
+    pub(super) fn resume(
+        folder: &RunFolder,
+        scene: &Scene,
+        (step, time): (u64, f64),
+    ) -> Result<Self, Failure> {
         let mut frames = Self::new(folder);
-        // Without the index only the list for ParaView is shorter.
-        let text = fs::read_to_string(frames.index_path());
-        frames.index = text.ok().and_then(|text| serde_json::from_str(&text).ok()).unwrap_or_default();
+        let path = frames.index_path();
+        if path.exists() {
+            frames.index = read_index(&path).map_err(|error| {
+                let way_out = "bring it back from a copy, or remove it: particles.pvd then begins anew";
+                Failure::input(format!("{error}; {way_out}"))
+            })?;
+        } else if folder.particles().exists() {
+            eprintln!("`{}` is missing: particles.pvd begins anew at step {step}", path.display());
+        }
         frames.index.frames.retain(|frame| frame.step <= step);
         frames.due = due(scene, time);
-        frames
+        Ok(frames)
     }
 
     fn index_path(&self) -> PathBuf {
@@ -108,6 +121,19 @@ impl Frames {
             .map_err(|error| OutputError::data(&path, error.to_string()))?;
         write_atomic(&path, |file| file.write_all(text.as_bytes()))
     }
+}
+
+fn read_index(path: &Path) -> OutputResult<Index> {
+    let wrong = |error| OutputError::content(path, format!("no index of frames: {error}"));
+    serde_json::from_str(&read_text(path)?).map_err(wrong)
+}
+
+/// How many frames an index holds.
+///
+/// # Errors
+/// When it cannot be read or is damaged.
+pub(crate) fn count_frames(index: &Path) -> OutputResult<usize> {
+    Ok(read_index(index)?.frames.len())
 }
 
 /// Draws a picture and lets it go: what one costs.
@@ -215,7 +241,7 @@ fn colours(scene: &Scene, values: &[f64]) -> (f64, f64) {
     }
 }
 
-fn write_particles(path: &std::path::Path, scene: &Scene, simulation: &Simulation) -> OutputResult<()> {
+fn write_particles(path: &Path, scene: &Scene, simulation: &Simulation) -> OutputResult<()> {
     let of = |name: &str| column(simulation, name);
     let r = of(fields::RADIUS.description.name);
     let z = of(fields::AXIAL.description.name);

@@ -27,7 +27,7 @@ use crate::output::progress::Progress;
 use crate::output::summary::{Status, Summary, print_table};
 use crate::output::units::{grouped, quantity};
 use crate::plan::sound_speed_sentence;
-pub(crate) use frames::rehearse_picture;
+pub(crate) use frames::{count_frames, rehearse_picture};
 use profile::Profiler;
 use recorder::Recorder;
 pub(crate) use recorder::observed_every;

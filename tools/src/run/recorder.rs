@@ -87,6 +87,7 @@ impl<'a> Recorder<'a> {
                 eprintln!("`{path}` has no row up to step {}: the series begins anew there", clock.step);
             }
         }
+        let frames = Frames::resume(folder, scene, (clock.step, clock.time))?;
         let open = || SeriesWriter::open_for_resume(&path, clock.step);
         let continued = goes_on.then(open).transpose()?;
         let mut recorder = match continued {
@@ -102,7 +103,7 @@ impl<'a> Recorder<'a> {
                 cost: Stopwatch::default(),
             },
         };
-        recorder.frames = Frames::resume(folder, scene, clock.step, clock.time);
+        recorder.frames = frames;
         Ok(recorder)
     }
 
