@@ -45,13 +45,14 @@ impl VelocityField {
 /// Points along each side of the grid on which fields are sampled.
 pub(super) const SAMPLES: usize = 64;
 
-/// Reads a body; `origin` is the radius of the scene's r = 0. Also hands back the entry of its
-/// shape, for later mistakes.
+/// Reads a body; `origin` is the radius of the scene's r = 0. Also hands back the entries of its
+/// shape and its internal energy, or of the body that lacks the latter, for later mistakes.
 pub(super) fn read<'a>(
     entry: Entry<'a>,
     origin: f64,
     equation: EquationOfState,
-) -> Result<(Body, Entry<'a>), Fault> {
+) -> Result<(Body, [Entry<'a>; 2]), Fault> {
+    let whole = entry.clone();
     let table = Section::new(entry, &["shape", "velocity", "density", "internal_energy"])?;
     let place = table.required("shape", "shape = { sphere = { radius = \"2.5 um\" } }")?;
     let shape = shapes::read(place.clone(), origin)?;
@@ -70,7 +71,8 @@ pub(super) fn read<'a>(
         entry.context.check_finite()?;
         finite_field(&entry, SPECIFIC_ENERGY, &shape)
     })?;
-    Ok((Body { shape, velocity, density, internal_energy }, place))
+    let heat = table.optional("internal_energy").unwrap_or(whole);
+    Ok((Body { shape, velocity, density, internal_energy }, [place, heat]))
 }
 
 fn read_velocity(entry: Entry<'_>, shape: &Shape) -> Result<VelocityField, Fault> {

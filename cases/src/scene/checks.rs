@@ -1,5 +1,6 @@
 //! What must hold between the parts of a scene.
 
+use super::body::SAMPLES;
 use super::diagnosis::Fault;
 use super::entry::Entry;
 use super::quantity::Short;
@@ -13,6 +14,8 @@ use crate::region::Region;
 pub(super) struct Places<'a> {
     /// The bodies' shapes.
     pub(super) shapes: &'a [Entry<'a>],
+    /// The bodies' internal energies, or the bodies that lack them.
+    pub(super) heats: &'a [Entry<'a>],
     /// The particle size.
     pub(super) size: &'a Entry<'a>,
     /// The sound speed, or the table that lacks it.
@@ -64,6 +67,7 @@ pub(super) fn check(scene: &Scene, places: &Places<'_>) -> Result<Vec<Fault>, Fa
             }
         }
     }
+    check_heat(scene, places.heats)?;
     let mut doubts = check_sound_speed(scene, &places.sound_speed)?;
     doubts.extend(doubt_of_viscosity(scene, &places.viscosity));
     doubts.extend(places.integration.as_ref().and_then(|place| doubt_of_integration(scene, place)));
@@ -175,6 +179,45 @@ fn common_point(first: &Body, second: &Body) -> Option<[f64; 2]> {
         let common = first.shape.chords(z).intersection(&second.shape.chords(z));
         common.iter().find(|[low, high]| high - low > least).map(|[low, high]| [0.5 * (low + high), z])
     })
+}
+
+/// A gas without heat has no sound: nothing says how long a step may be where it does not move either, and where two
+/// particles without impedance touch the state between them is 0/0, unless the contacts are those of shocks.
+fn check_heat(scene: &Scene, places: &[Entry<'_>]) -> Result<(), Fault> {
+    if !matches!(scene.liquid.equation_of_state, EquationOfState::IdealGas { .. }) {
+        return Ok(());
+    }
+    let method = &scene.method;
+    let of_shocks =
+        method.flux == Flux::FirstOrder && method.shock_contacts && scene.liquid.viscosity == 0.0;
+    let mut states = scene.bodies.iter().flat_map(|body| {
+        let points = body.shape.interior_points(SAMPLES);
+        points.map(move |[r, z]| (body.velocity.at(r, z), body.internal_energy.at(r, z)))
+    });
+    let first = states.next();
+    // (Rings that all move at one radial speed come closer together.)
+    let idle = first.is_some_and(|([radial, _], _)| radial == 0.0) && states.all(|state| Some(state) == first);
+    for (body, place) in scene.bodies.iter().zip(places) {
+        let points = body.shape.interior_points(SAMPLES);
+        let least = points.map(|[r, z]| body.internal_energy.at(r, z)).fold(f64::INFINITY, f64::min);
+        let example = "give the body a positive one: internal_energy = \"100 J/kg\"";
+        if least < 0.0 {
+            let message = format!("`internal_energy` is {} J/kg somewhere: a gas has no less than 0", Short(least));
+            return Err(place.fault(message, example));
+        }
+        if least == 0.0 && idle {
+            let message = "this gas has no internal energy and no part of it moves against another: nothing happens";
+            return Err(place.fault(message, example));
+        }
+        if least == 0.0 && !of_shocks {
+            let message = "a gas without internal energy needs the contacts of shocks";
+            let help = format!(
+                "{example}; or set flux = \"first-order\" and shock_contacts = true in [method], and no viscosity"
+            );
+            return Err(place.fault(message, help));
+        }
+    }
+    Ok(())
 }
 
 fn check_sound_speed(scene: &Scene, place: &Entry<'_>) -> Result<Vec<Fault>, Fault> {
