@@ -4,7 +4,7 @@ use super::diagnosis::Fault;
 use super::entry::Entry;
 use super::formula::Formula;
 use super::liquid::EquationOfState;
-use super::quantity::{DENSITY, Kind, SPECIFIC_ENERGY, VELOCITY};
+use super::quantity::{DENSITY, Kind, SPECIFIC_ENERGY, Short, VELOCITY};
 use super::section::Section;
 use super::shapes;
 use crate::region::Region;
@@ -42,6 +42,9 @@ impl VelocityField {
     }
 }
 
+/// Speed of light in m/s: what is to be faster is a mistake, and its squares may be no numbers.
+pub(super) const LIGHT: f64 = 299_792_458.0;
+
 /// Points along each side of the grid on which fields are sampled.
 pub(super) const SAMPLES: usize = 64;
 
@@ -78,8 +81,18 @@ pub(super) fn read<'a>(
 fn read_velocity(entry: Entry<'_>, shape: &Shape) -> Result<VelocityField, Fault> {
     entry.context.check_finite()?;
     let table = Section::new(entry, &["r", "z"])?;
-    let component =
-        |key: &str| table.read_or(key, Formula::zero(), |entry| finite_field(&entry, VELOCITY, shape));
+    let component = |key: &str| {
+        table.read_or(key, Formula::zero(), |entry| {
+            let formula = finite_field(&entry, VELOCITY, shape)?;
+            let fastest = shape.interior_points(SAMPLES).map(|[r, z]| formula.at(r, z).abs());
+            let fastest = fastest.fold(0.0, f64::max);
+            if fastest > LIGHT {
+                let message = format!("`{}` is up to {} m/s: faster than light", entry.path, Short(fastest));
+                return Err(entry.fault(message, "check its numbers and units"));
+            }
+            Ok(formula)
+        })
+    };
     Ok(VelocityField { radial: component("r")?, axial: component("z")? })
 }
 

@@ -1,6 +1,6 @@
 //! What must hold between the parts of a scene.
 
-use super::body::SAMPLES;
+use super::body::{LIGHT, SAMPLES};
 use super::diagnosis::Fault;
 use super::entry::Entry;
 use super::quantity::Short;
@@ -221,6 +221,17 @@ fn check_heat(scene: &Scene, places: &[Entry<'_>]) -> Result<(), Fault> {
 }
 
 fn check_sound_speed(scene: &Scene, place: &Entry<'_>) -> Result<Vec<Fault>, Fault> {
+    let speed = scene.derived_sound_speed();
+    if speed > LIGHT {
+        let message = format!("the sound speed is {} m/s: faster than light", Short(speed));
+        let help = if scene.liquid.sound_speed.is_some() {
+            "check its number and unit"
+        } else {
+            "it follows from the fastest motion, the surface tension and the internal energy: check their numbers and \
+             units, or give [liquid] a sound_speed"
+        };
+        return Err(place.fault(message, help));
+    }
     if scene.liquid.equation_of_state != EquationOfState::Linear {
         // Shocks compress, and a gas knows its own speed.
         return Ok(Vec::new());

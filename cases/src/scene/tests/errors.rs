@@ -24,6 +24,19 @@ fn a_drop_too_long_for_its_exact_motion_is_refused() {
 }
 
 #[test]
+fn nothing_is_faster_than_light() {
+    mistake_at(
+        &changed("-amplitude*capillary_velocity*(r/radius)/2", "1e300 m/s"),
+        23,
+        "\"1e300 m/s\"",
+        &["`body.0.velocity.r` is up to 1e300 m/s: faster than light", "check its numbers"],
+    );
+    mistake(EXAMPLE, &["sound_speed=1e9 m/s"], &["the sound speed is 1e9 m/s"]);
+    let strong = ["surface_tension=1e30 N/m", "capillary_velocity=1 m/s"];
+    mistake(EXAMPLE, &strong, &["faster than light", "the surface tension"]);
+}
+
+#[test]
 fn keys_are_known_and_there() {
     mistake_at(
         &changed("theta =", "thetta ="),
@@ -147,7 +160,7 @@ fn values_stay_in_their_limits() {
     );
     mistake_at(&changed("\"71.4 nm\"", "\"1e-30 m\""), 7, "\"1e-30 m\"", &["more than 1e8", "or more"]);
     let far = shaped("{ sphere = { radius = \"radius\", centre = \"1e300 m\" } }");
-    mistake(&far, &[], &["too far from z = 0"]);
+    mistake(&far, &["capillary_velocity=1e-300 m/s"], &["too far from z = 0"]);
     mistake_at(&changed("mode = 2", "mode = 1"), 11, "1", &["`mode` is 1", "whole number from 2"]);
     mistake_at(&changed("mode = 2", "s = 1"), 11, "s", &["`s` is a unit"]);
     mistake_at(&changed("mode = 2", "drop-mode = 1"), 11, "drop-mode", &["cannot name a parameter"]);
