@@ -3,7 +3,7 @@
 use super::body::{SAMPLES, not_finite};
 use super::diagnosis::Fault;
 use super::entry::Entry;
-use super::quantity::LENGTH;
+use super::quantity::{LENGTH, Short};
 use super::section::Section;
 use crate::shape::{LevelSet, Polygon, Shape};
 use std::sync::Arc;
@@ -67,7 +67,6 @@ fn parts(entry: &Entry<'_>, origin: f64) -> Result<Vec<Shape>, Fault> {
 
 fn primitive(entry: Entry<'_>, origin: f64) -> Result<Shape, Fault> {
     let kind = entry.key().to_owned();
-    let whole = entry.clone();
     let keys: &[&str] = match kind.as_str() {
         "sphere" => &["radius", "centre"],
         "spheroid" => &["radial", "axial", "centre"],
@@ -81,9 +80,13 @@ fn primitive(entry: Entry<'_>, origin: f64) -> Result<Shape, Fault> {
     let position = |key: &str| find(key)?.quantity(LENGTH);
     let centre = || table.read_or("centre", 0.0, |entry| entry.quantity(LENGTH));
     let above = |key: &str, low: &str| {
-        let least = position(low)?;
-        let rule = format!("must lie above `{low}`");
-        Ok((least, find(key)?.checked(LENGTH, &rule, |value| value > least)?))
+        let (least, place) = (position(low)?, find(key)?);
+        let value = place.quantity(LENGTH)?;
+        if value > least {
+            return Ok((least, value));
+        }
+        let message = format!("`{key}` is {} m: it must lie above `{low}`", Short(value));
+        Err(place.fault(message, format!("`{low}` is {} m: choose more, or a lower `{low}`", Short(least))))
     };
     Ok(match kind.as_str() {
         "sphere" => Shape::Sphere { radius: size("radius")?, centre: centre()? },
@@ -93,13 +96,13 @@ fn primitive(entry: Entry<'_>, origin: f64) -> Result<Shape, Fault> {
             Shape::Cylinder { radius, bottom, top }
         }
         "annulus" => {
+            if origin == 0.0 {
+                find("inner")?.not_negative(LENGTH)?;
+            }
             let ((inner, outer), (bottom, top)) = (above("outer", "inner")?, above("top", "bottom")?);
-            match (origin == 0.0 && inner <= 0.0, outer > 0.0) {
-                (true, true) => Shape::Cylinder { radius: outer, bottom, top },
-                (true, false) => {
-                    return Err(whole.fault("the annulus is empty", "give it an area at r >= 0"));
-                }
-                _ => Shape::Annulus { inner, outer, bottom, top },
+            match origin == 0.0 && inner == 0.0 {
+                true => Shape::Cylinder { radius: outer, bottom, top },
+                false => Shape::Annulus { inner, outer, bottom, top },
             }
         }
         _ => {

@@ -10,9 +10,14 @@ fn shapes_are_not_empty() {
             "`top` is 0 m: it must lie above `bottom`",
         ),
         (
-            "{ annulus = { inner = \"-2 um\", outer = \"-1 um\", bottom = \"0 um\", top = \"1 um\" } }",
-            "",
-            "is empty",
+            "{ annulus = { inner = \"-2 um\", outer = \"1 um\", bottom = \"0 um\", top = \"1 um\" } }",
+            "\"-2 um\"",
+            "`inner` is -2e-6 m: it must not be negative",
+        ),
+        (
+            "{ annulus = { inner = \"5 um\", outer = \"4 um\", bottom = \"0 um\", top = \"1 um\" } }",
+            "\"4 um\"",
+            "`outer` is 4e-6 m: it must lie above `inner`",
         ),
         (
             "{ intersection = [{ sphere = { radius = \"1 um\" } }, { sphere = { radius = \"1 um\", centre = \"5 um\" } }] }",

@@ -132,7 +132,7 @@ fn every_shape_can_be_written() {
             [1.0, 2.0, 0.0, 3.0],
         ),
         (
-            "{ annulus = { inner = \"-1 um\", outer = \"2 um\", bottom = \"0 m\", top = \"3 um\" } }",
+            "{ annulus = { inner = 0, outer = \"2 um\", bottom = \"0 m\", top = \"3 um\" } }",
             [0.0, 2.0, 0.0, 3.0],
         ),
         ("{ torus = { major = \"2 um\", minor = \"1 um\" } }", [1.0, 3.0, -1.0, 1.0]),
