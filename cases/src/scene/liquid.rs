@@ -2,7 +2,7 @@
 
 use super::diagnosis::Fault;
 use super::entry::Entry;
-use super::quantity::{DENSITY, NUMBER, SURFACE_TENSION, VELOCITY, VISCOSITY};
+use super::quantity::{DENSITY, Kind, NUMBER, SURFACE_TENSION, VELOCITY, VISCOSITY};
 use super::section::Section;
 use super::values::Choice;
 
@@ -100,7 +100,8 @@ pub(super) fn read(entry: Entry<'_>) -> Result<(Liquid, [Entry<'_>; 2]), Fault> 
         },
         Name::IdealGas => {
             let place = table.required("heat_ratio", "heat_ratio = \"5/3\"")?;
-            let heat_ratio = place.checked(NUMBER, "must be above 1", |value| value > 1.0)?;
+            let number = Kind { example: "\"5/3\"", ..NUMBER };
+            let heat_ratio = place.checked(number, "must be above 1", |value| value > 1.0)?;
             EquationOfState::IdealGas { heat_ratio }
         }
     };

@@ -2,7 +2,7 @@
 
 use super::diagnosis::Fault;
 use super::entry::Entry;
-use super::quantity::{Kind, LENGTH, NUMBER, RATE, SQUARED_RATE, TIME, VELOCITY};
+use super::quantity::{Kind, LENGTH, NUMBER, RATE, SQUARED_RATE, Short, TIME, VELOCITY};
 use super::section::Section;
 
 /// What is compared with an exact solution at the end of a run. Lengths in metres.
@@ -161,9 +161,14 @@ impl Measure {
             "energy-gain" => Measure::EnergyGain,
             "large-oscillation" => {
                 let radial = size("radial")?;
-                let rule = "must be 0.6 to 1.6 times `radial`: the exact motion of longer drops is not known";
-                let accept = |axial: f64| (0.6..=1.6).contains(&(axial / radial));
-                let axial = table.required("axial", "axial = \"3 um\"")?.checked(LENGTH, rule, accept)?;
+                let place = table.required("axial", "axial = \"3 um\"")?;
+                let axial = place.quantity(LENGTH)?;
+                if !(0.6..=1.6).contains(&(axial / radial)) {
+                    let message =
+                        "`axial` must be 0.6 to 1.6 times `radial`: the exact motion of longer drops is not known";
+                    let (least, most) = (Short(0.6 * radial), Short(1.6 * radial));
+                    return Err(place.fault(message, format!("choose {least} to {most} m")));
+                }
                 let speed = table.read_or("speed", 0.0, |entry| entry.quantity(VELOCITY))?;
                 Measure::LargeOscillation { radial, axial, speed }
             }

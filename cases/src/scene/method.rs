@@ -5,7 +5,7 @@ use super::choices::{
 };
 use super::diagnosis::Fault;
 use super::entry::Entry;
-use super::quantity::NUMBER;
+use super::quantity::{Kind, NUMBER};
 use super::section::Section;
 
 /// Every numerical choice.
@@ -152,7 +152,8 @@ impl Method {
             scheme: table.read_or("scheme", base.scheme, |entry| entry.choice())?,
             axis: table.read_or("axis", base.axis, |entry| entry.choice())?,
             axis_factor: table.read_or("axis_factor", base.axis_factor, |entry| {
-                entry.checked(NUMBER, "must be at least 1", |value| value >= 1.0)
+                let number = Kind { example: "2", ..NUMBER };
+                entry.checked(number, "must be at least 1", |value| value >= 1.0)
             })?,
             theta: table.read_or("theta", base.theta, |entry| {
                 entry.checked(NUMBER, "must lie between 0.4 and 1.5", |value| (0.4..=1.5).contains(&value))

@@ -20,7 +20,19 @@ fn the_text_must_be_toml_of_format_1() {
 #[test]
 fn a_drop_too_long_for_its_exact_motion_is_refused() {
     let measure = "[[measure]]\nlarge-oscillation = { radial = \"1 um\", axial = \"2 um\" }\n";
-    mistake(&format!("{EXAMPLE}\n{measure}"), &[], &["0.6 to 1.6 times `radial`"]);
+    mistake(&format!("{EXAMPLE}\n{measure}"), &[], &["0.6 to 1.6 times `radial`", "6e-7 to 1.6e-6 m"]);
+}
+
+#[test]
+fn the_advice_keeps_to_the_rule() {
+    let lengths = "such as \"2.5 um\" is expected";
+    mistake(EXAMPLE, &["method.axis_factor=0.5"], &["must be at least 1", "such as 2 is expected"]);
+    let gas = ["surface_tension=0", "sound_speed=auto", "liquid.equation_of_state=ideal-gas"];
+    let ratio = "liquid.heat_ratio=0.4";
+    mistake(EXAMPLE, &[&gas[..], &[ratio]].concat(), &["must be above 1", "such as \"5/3\" is expected"]);
+    let inverted = "{ annulus = { inner = \"9 um\", outer = \"3 um\", bottom = 0, top = \"1 um\" } }";
+    let mistake = mistake(&shaped(inverted), &[], &["above `inner`", "`inner` is 9e-6 m: choose more"]);
+    assert!(!format!("{:?}", miette::Report::new(mistake)).contains(lengths));
 }
 
 #[test]
