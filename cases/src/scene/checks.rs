@@ -5,7 +5,7 @@ use super::diagnosis::Fault;
 use super::entry::Entry;
 use super::quantity::Short;
 use super::suggest;
-use super::{Body, EquationOfState, FOLLOWING, Flux, Scene, TimeIntegration};
+use super::{Body, EquationOfState, FOLLOWING, Flux, Measure, Scene, TimeIntegration};
 use crate::assemble::{Physics, assemble};
 use crate::packing::MOST_PARTICLES;
 use crate::region::Region;
@@ -26,6 +26,8 @@ pub(super) struct Places<'a> {
     pub(super) colour: Option<Entry<'a>>,
     /// The period, if the domain has one.
     pub(super) period: Option<Entry<'a>>,
+    /// The measures.
+    pub(super) measures: &'a [Entry<'a>],
     /// The time integration, or the flux that does not fit it, if the scene names one.
     pub(super) integration: Option<Entry<'a>>,
 }
@@ -69,6 +71,7 @@ pub(super) fn check(scene: &Scene, places: &Places<'_>) -> Result<Vec<Fault>, Fa
     }
     check_heat(scene, places.heats)?;
     let mut doubts = check_sound_speed(scene, &places.sound_speed)?;
+    check_measures(scene, places.measures)?;
     doubts.extend(doubt_of_viscosity(scene, &places.viscosity));
     doubts.extend(places.integration.as_ref().and_then(|place| doubt_of_integration(scene, place)));
     Ok(doubts)
@@ -179,6 +182,25 @@ fn common_point(first: &Body, second: &Body) -> Option<[f64; 2]> {
         let common = first.shape.chords(z).intersection(&second.shape.chords(z));
         common.iter().find(|[low, high]| high - low > least).map(|[low, high]| [0.5 * (low + high), z])
     })
+}
+
+/// What a run can never tell is not the fault of its length.
+fn check_measures(scene: &Scene, places: &[Entry<'_>]) -> Result<(), Fault> {
+    for (measure, place) in scene.measures.iter().zip(places) {
+        if measure.needs_tension() && scene.liquid.surface_tension == 0.0 {
+            let message = "this measure is about motion that surface tension drives, and there is none";
+            return Err(place.fault(message, "give [liquid] a surface_tension, or leave the measure out"));
+        }
+        if let Measure::Oscillation { from, .. } = *measure
+            && from >= scene.until
+        {
+            let (from, until) = (Short(from), Short(scene.until));
+            let message =
+                format!("the oscillation is to be fitted from {from} s on, but the run ends at {until} s");
+            return Err(place.fault(message, "choose an earlier `from`, or a later `until` in [run]"));
+        }
+    }
+    Ok(())
 }
 
 /// A gas without heat has no sound: nothing says how long a step may be where it does not move either, and where two

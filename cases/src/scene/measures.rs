@@ -127,6 +127,21 @@ const KINDS: [(&str, &[&str]); 15] = [
 ];
 
 impl Measure {
+    /// Whether it is about motion that surface tension drives.
+    pub(super) fn needs_tension(&self) -> bool {
+        matches!(
+            self,
+            Measure::Oscillation { .. }
+                | Measure::SpuriousVelocity { .. }
+                | Measure::GrowthRate { .. }
+                | Measure::FilmRetraction { .. }
+                | Measure::LargeOscillation { .. }
+                | Measure::Spread { .. }
+                | Measure::Coalescence { .. }
+                | Measure::PinchOff { .. }
+        )
+    }
+
     pub(super) fn read(entry: Entry<'_>) -> Result<Self, Fault> {
         const EXAMPLE: &str = "laplace-pressure = { radius = \"2.5 um\" }";
         let entry = entry.variant(&KINDS.map(|(kind, _)| kind), EXAMPLE)?;

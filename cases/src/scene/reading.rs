@@ -64,6 +64,8 @@ pub(super) fn scene(name: &str, text: &str) -> Result<(Scene, Vec<Fault>), Fault
     let run = Section::new(table.required("run", "[run] with until = \"3 us\"")?, &["until", "steps"])?;
     let base = if paper { Method::paper() } else { Method::defaults() };
 
+    let measures = table.read_or("measure", Vec::new(), |entry| entry.elements("[[measure]]"))?;
+
     let scene = Scene {
         title,
         paper,
@@ -77,9 +79,7 @@ pub(super) fn scene(name: &str, text: &str) -> Result<(Scene, Vec<Fault>), Fault
         central_force: table.read_or("forces", 0.0, forces)?,
         method: table.read_or("method", base.clone(), |entry| Method::read(entry, base))?,
         output: table.read_or("output", Output::defaults(), Output::read)?,
-        measures: table.read_or("measure", Vec::new(), |entry| {
-            entry.elements("[[measure]]")?.into_iter().map(Measure::read).collect()
-        })?,
+        measures: measures.iter().cloned().map(Measure::read).collect::<Result<_, _>>()?,
         bodies,
         domain,
         warnings: Vec::new(),
@@ -93,6 +93,7 @@ pub(super) fn scene(name: &str, text: &str) -> Result<(Scene, Vec<Fault>), Fault
         viscosity,
         colour: table.inner("output", "colour_by"),
         period: table.inner("domain", "period"),
+        measures: &measures,
         integration: chosen("time_integration").or_else(|| chosen("flux")),
     };
     let doubts = checks::check(&scene, &places)?;

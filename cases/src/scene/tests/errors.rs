@@ -36,6 +36,14 @@ fn the_advice_keeps_to_the_rule() {
 }
 
 #[test]
+fn a_measure_that_cannot_apply_is_refused() {
+    let still = ["surface_tension=0", "sound_speed=15 m/s", "capillary_velocity=1 m/s", "run.until=1 us"];
+    mistake(EXAMPLE, &still, &["surface tension drives, and there is none", "leave the measure out"]);
+    let late = changed("mode = \"mode\",", "mode = \"mode\", from = \"1 s\",");
+    mistake_at(&late, 41, "[[measure]]", &["fitted from 1 s on, but the run ends at", "an earlier `from`"]);
+}
+
+#[test]
 fn nothing_is_faster_than_light() {
     mistake_at(
         &changed("-amplitude*capillary_velocity*(r/radius)/2", "1e300 m/s"),
