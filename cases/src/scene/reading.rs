@@ -44,7 +44,7 @@ pub(super) fn scene(name: &str, text: &str) -> Result<(Scene, Vec<Fault>), Fault
 
     let stem =
         Path::new(name).file_stem().map_or(name.to_owned(), |stem| stem.to_string_lossy().into_owned());
-    let title = table.read_or("title", stem, |entry| entry.text().map(str::to_owned))?;
+    let title = table.read_or("title", stem, title)?;
     let paper = table.read_or("paper", false, |entry| entry.flag())?;
     let (liquid, [sound_speed, viscosity]) =
         liquid::read(table.required("liquid", "[liquid] with density = \"1000 kg/m3\"")?)?;
@@ -98,6 +98,25 @@ pub(super) fn scene(name: &str, text: &str) -> Result<(Scene, Vec<Fault>), Fault
     };
     let doubts = checks::check(&scene, &places)?;
     Ok((scene, doubts))
+}
+
+/// Longest title, in characters: it heads pictures, plots and tables.
+const LONGEST_TITLE: usize = 200;
+
+/// One line, which a terminal can show as it stands.
+fn title(entry: Entry<'_>) -> Result<String, Fault> {
+    let title = entry.text()?;
+    let help = format!("a title is one line of plain text, of {LONGEST_TITLE} characters at most");
+    if let Some(control) = title.chars().find(|letter| letter.is_control()) {
+        let message = format!("`title` holds the control character U+{:04X}", u32::from(control));
+        return Err(entry.fault(message, help));
+    }
+    match title.chars().count() {
+        length if length > LONGEST_TITLE => {
+            Err(entry.fault(format!("`title` is {length} characters long"), help))
+        }
+        _ => Ok(title.to_owned()),
+    }
 }
 
 fn check_format(root: &toml_edit::Table) -> Result<(), Fault> {

@@ -57,12 +57,17 @@ impl Setting {
             path.insert(0, "parameters".to_owned());
         }
         let existing = set_in_table(root, &path, parsed(value)).map_err(|depth| {
-            let message = format!("`{}` holds no key `{}`", path[..depth].join("."), path[depth]);
-            bad(
-                key_span,
-                message,
-                "the key must lead through tables, and lists by their index from 0".to_owned(),
-            )
+            let (message, help) = match path.get(depth) {
+                None => (
+                    format!("`{key}` is a table"),
+                    format!("name one of its keys: --set {key}.KEY=VALUE"),
+                ),
+                Some(part) => (
+                    format!("`{}` holds no key `{part}`", path[..depth].join(".")),
+                    "the key must lead through tables, and lists by their index from 0".to_owned(),
+                ),
+            };
+            bad(key_span, message, help)
         })?;
         Ok(Self { raw: raw.to_owned(), value_start, path, existing })
     }
@@ -131,7 +136,8 @@ fn parsed(text: &str) -> Value {
     }
 }
 
-/// How many parts of the path were there before, or the depth at which the path leads nowhere.
+/// How many parts of the path were there before, or the depth at which the path leads nowhere: its own length where it
+/// leads to a table.
 fn set_in_table(table: &mut dyn TableLike, path: &[String], value: Value) -> Result<usize, usize> {
     let inner = match table.get_mut(&path[0]) {
         Some(item) => item,
@@ -160,7 +166,7 @@ fn set_in_item(item: &mut Item, path: &[String], value: Value) -> Result<usize, 
             let table = path[0].parse().ok().and_then(|index| tables.get_mut(index)).ok_or(0_usize)?;
             let rest = &path[1..];
             if rest.is_empty() {
-                return Err(0);
+                return Err(1);
             }
             set_in_table(table, rest, value).map(|depth| depth + 1).map_err(|depth| depth + 1)
         }

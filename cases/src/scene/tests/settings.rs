@@ -68,9 +68,16 @@ fn a_bad_setting_is_shown_itself() {
     blamed(&["output.picture=3"], "3", &["expects true or false"]);
     blamed(&["title.x=3"], "title.x", &["`title` holds no key `x`"]);
     blamed(&["body.7.shape=3"], "body.7.shape", &["`body` holds no key `7`"]);
+    blamed(&["body.0=1 um"], "body.0", &["`body.0` is a table", "--set body.0.KEY=VALUE"]);
     blamed(&["body=3"], "body", &["no parameter `body`"]);
     blamed(&["method.theta=0.6", "method.theta=9"], "9", &["`theta` is 9"]);
     blamed(&["particle_size=1 um"], "1 um", &["fewer than 10 (5) fit"]);
+}
+
+#[test]
+fn a_table_within_tables_is_none_to_set() {
+    let text = changed("velocity = {", "[body.velocity]\n#");
+    mistake(&text, &["body.0.velocity=3"], &["`body.0.velocity` is a table"]);
 }
 
 #[test]
