@@ -5,9 +5,8 @@ mod restart;
 mod start;
 
 use crate::assemble::{Assembly, Equation, Physics, PlanLine, assemble};
-use crate::packing::PackingError;
 use crate::region::Region;
-use crate::scene::{EquationOfState, Scene};
+use crate::scene::{Diagnosis, EquationOfState, Scene};
 use crate::shape::Shape;
 use meniscus_engine::clock::Clock;
 use meniscus_engine::domain::Domain;
@@ -21,13 +20,8 @@ pub use start::FillProgress;
 #[derive(Debug, thiserror::Error)]
 pub enum StartError {
     /// A body can't be filled.
-    #[error("body {body} cannot be filled with particles: {source}")]
-    Packing {
-        /// Number of the body in the scene, from 1.
-        body: usize,
-        /// What went wrong.
-        source: PackingError,
-    },
+    #[error("{0}")]
+    Packing(Diagnosis),
     /// The pipeline is wired wrongly, which is a mistake in Meniscus.
     #[error("the pipeline is wired wrongly: {0}")]
     Wiring(#[from] WiringError),

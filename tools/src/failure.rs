@@ -51,7 +51,8 @@ impl From<Diagnosis> for Failure {
 impl From<StartError> for Failure {
     fn from(error: StartError) -> Self {
         let code = match error {
-            StartError::Packing { .. } | StartError::Checkpoint(_) => BAD_INPUT,
+            StartError::Packing(diagnosis) => return diagnosis.into(),
+            StartError::Checkpoint(_) => BAD_INPUT,
             StartError::Wiring(_) | StartError::FirstState(_) => FAILED,
         };
         Self::of(error.to_string(), code)

@@ -237,7 +237,7 @@ fn an_earlier_run_stays_until_the_new_one_can_start() {
     place.expect(0, &["run", "drop.toml", "--out", "run", "--steps", "20"]);
     let before = summary(&place.path("run"));
     for (set, reason) in
-        [("particles.size=1e-30 m", "choose a particle size of"), (SLIVER, "body 1 cannot be filled")]
+        [("particles.size=1e-30 m", "choose a particle size of"), (SLIVER, "`body.0` cannot be filled with particles: the")]
     {
         let said = place.expect(2, &["run", "drop.toml", "--out", "run", "--overwrite", "--set", set]);
         assert!(unwrapped(&said).contains(reason), "{said}");

@@ -35,8 +35,9 @@ pub(super) struct Places<'a> {
 /// Particles that must fit into the smallest extent of every body.
 const FEWEST_PARTICLES: f64 = 10.0;
 
-/// Smallest extent of a body over its largest coordinate: so many digits are left for its particles.
-const FINEST: f64 = 1e-12;
+/// Smallest extent of a body over its largest coordinate: so many digits are left for its particles. With less its volume
+/// is off by more than a packing may be.
+const FINEST: f64 = 1e-10;
 
 /// Numerical over physical viscosity that is worth a warning.
 const NOTABLE: f64 = 0.1;

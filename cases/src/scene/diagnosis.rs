@@ -21,7 +21,7 @@ struct Report {
 }
 
 /// A stretch of a source and what to write under it.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Place {
     pub(super) source: NamedSource<String>,
     pub(super) span: Range<usize>,
@@ -31,6 +31,12 @@ pub(super) struct Place {
 impl Diagnosis {
     pub(super) fn new(severity: Severity, message: String, help: String, place: Option<Place>) -> Self {
         Self { severity, report: Arc::new(Report { message, help, place }) }
+    }
+
+    /// The same with a reason that was found only later.
+    pub(crate) fn because(&self, reason: impl fmt::Display) -> Self {
+        let Report { message, help, place } = &*self.report;
+        Self::new(self.severity, format!("{message}: {reason}"), help.clone(), place.clone())
     }
 
     /// Whether this is an error, not a warning.

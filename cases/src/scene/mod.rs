@@ -87,6 +87,8 @@ pub struct Scene {
     pub measures: Vec<Measure>,
     /// Doubts about the scene.
     pub warnings: Vec<Diagnosis>,
+    /// For each body what is told, but for the reason, where particles cannot fill it.
+    pub(crate) unfilled: Vec<Diagnosis>,
 }
 
 /// A named quantity of a scene.
@@ -131,8 +133,9 @@ pub fn read(path: &Path, settings: &[String]) -> Result<Scene, Diagnosis> {
 /// The first mistake in the scene.
 pub fn parse(name: &str, text: &str, settings: &[String]) -> Result<Scene, Diagnosis> {
     let source = source::Source::new(name, text, settings)?;
-    let (mut scene, doubts) =
-        reading::scene(name, &source.text).map_err(|fault| source.diagnose(Severity::Error, fault))?;
+    let error = |fault| source.diagnose(Severity::Error, fault);
+    let (mut scene, doubts, unfilled) = reading::scene(name, &source.text).map_err(error)?;
+    scene.unfilled = unfilled.into_iter().map(error).collect();
     scene.warnings = doubts.into_iter().map(|doubt| source.diagnose(Severity::Warning, doubt)).collect();
     Ok(scene)
 }

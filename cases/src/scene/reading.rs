@@ -30,8 +30,8 @@ const KEYS: [&str; 13] = [
     "measure",
 ];
 
-/// Reads a whole scene, and the doubts about it.
-pub(super) fn scene(name: &str, text: &str) -> Result<(Scene, Vec<Fault>), Fault> {
+/// Reads a whole scene, the doubts about it, and for each body what is wrong with it if particles cannot fill it.
+pub(super) fn scene(name: &str, text: &str) -> Result<(Scene, Vec<Fault>, Vec<Fault>), Fault> {
     let document = Document::parse(text).map_err(|error| syntax(&error))?;
     let root = document.as_table();
     // A scene of another format is told so before anything else in it is doubted.
@@ -83,6 +83,7 @@ pub(super) fn scene(name: &str, text: &str) -> Result<(Scene, Vec<Fault>), Fault
         bodies,
         domain,
         warnings: Vec::new(),
+        unfilled: Vec::new(),
     };
     let chosen = |key: &str| table.inner("method", key);
     let places = checks::Places {
@@ -97,7 +98,12 @@ pub(super) fn scene(name: &str, text: &str) -> Result<(Scene, Vec<Fault>), Fault
         integration: chosen("time_integration").or_else(|| chosen("flux")),
     };
     let doubts = checks::check(&scene, &places)?;
-    Ok((scene, doubts))
+    let unfilled = shapes.iter().map(|shape| {
+        let body = shape.path.trim_end_matches(".shape");
+        let help = "choose smaller particles or a simpler shape, and check its places and lengths";
+        shape.fault(format!("`{body}` cannot be filled with particles"), help)
+    });
+    Ok((scene, doubts, unfilled.collect()))
 }
 
 /// Longest title, in characters: it heads pictures, plots and tables.

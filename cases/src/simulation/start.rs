@@ -81,7 +81,7 @@ fn fill(scene: &Scene, with_energy: bool, progress: FillProgress) -> Result<Seed
             Some(period) => pack(&Endless::new(&body.shape, period), &options, progress),
             None => pack(&body.shape, &options, progress),
         };
-        let packing = packing.map_err(|source| StartError::Packing { body: k + 1, source })?;
+        let packing = packing.map_err(|source| StartError::Packing(scene.unfilled[k].because(source)))?;
         before += here;
         let density = body.density.unwrap_or(scene.liquid.density);
         for ((r, z), area) in packing.r.into_iter().zip(packing.z).zip(packing.area) {
