@@ -6,6 +6,7 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
+use meniscus_cases::scene::Diagnosis;
 use meniscus_engine::lanes::INSTRUCTION_SET;
 
 use crate::failure::Failure;
@@ -114,14 +115,14 @@ pub(crate) struct ResumeArguments {
 #[derive(clap::Args)]
 pub(crate) struct Extent {
     /// Threads [default: one for each core]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), allow_negative_numbers = true)]
     pub(crate) threads: Option<u16>,
     /// Simulated time at which to stop, with its unit: "3 us"
-    #[arg(long, value_name = "TIME")]
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     until: Option<String>,
     /// Steps at most, counted from the start of the run
-    #[arg(long, value_name = "N")]
-    steps: Option<u64>,
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    steps: Option<String>,
     /// Tell how fast each stage is and how evenly its threads are busy; trace the first 200 steps and every
     /// 1000th into profile.json (15 MB at most), which https://ui.perfetto.dev opens
     #[arg(long)]
@@ -134,9 +135,20 @@ pub(crate) struct Extent {
 impl Extent {
     /// The settings of the scene that say how far it runs.
     pub(crate) fn settings(&self) -> Vec<String> {
-        let until = self.until.iter().map(|time| format!("run.until={time}"));
-        let steps = self.steps.iter().map(|steps| format!("run.steps={steps}"));
-        until.chain(steps).collect()
+        self.given().map(|(_, key, value)| format!("{key}{value}")).collect()
+    }
+
+    /// Names the option where a mistake is about one of these.
+    pub(crate) fn blamed(&self, diagnosis: Diagnosis) -> Diagnosis {
+        self.given().fold(diagnosis, |diagnosis, (option, key, value)| {
+            diagnosis.given_by(option, &format!("{key}{value}"), key.len())
+        })
+    }
+
+    /// Options, the keys that they set, and the values.
+    fn given(&self) -> impl Iterator<Item = (&'static str, &'static str, &String)> {
+        let until = self.until.iter().map(|time| ("--until", "run.until=", time));
+        until.chain(self.steps.iter().map(|steps| ("--steps", "run.steps=", steps)))
     }
 }
 
@@ -153,7 +165,7 @@ pub(crate) struct PlanArguments {
     #[arg(long)]
     pub(crate) fields: bool,
     /// Threads that the cost is told for [default: one for each core]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), allow_negative_numbers = true)]
     pub(crate) threads: Option<u16>,
 }
 

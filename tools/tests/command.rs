@@ -107,6 +107,31 @@ fn a_bad_scene_is_refused_before_anything_is_written() {
 }
 
 #[test]
+fn a_bad_value_is_blamed_on_its_option() {
+    let place = Place::new();
+    let run = ["run", "drop.toml"];
+    for (option, value, found) in [
+        ("--until", "3 kg", "`until` expects a time"),
+        ("--until", "-1 s", "must be positive"),
+        ("--steps", "-5", "must be a whole number from 1"),
+        ("--threads", "-1", "-1 is not in 1..="),
+    ] {
+        let said = unwrapped(&place.expect(2, &[&run[..], &[option, value]].concat()));
+        assert!(said.contains(found) && said.contains(option) && !said.contains("--set"), "{said}");
+        assert!(!said.contains("tip:"), "{said}");
+    }
+    let said = place.expect(2, &["study", "drop.toml", "--vary", "radius=1 um,-2 um"]);
+    assert!(said.contains("[--vary:1:8]") && said.contains("radius=-2 um"), "{said}");
+    for arguments in [&["at", "nowhere", "0", "0", "--count", "-1"][..], &["top", "nowhere", "r", "--count", "-1"]] {
+        let said = place.expect(2, &[&["inspect"][..], arguments].concat());
+        assert!(said.contains("-1 is not in 0..="), "{said}");
+    }
+    let said = place.expect(2, &["inspect", "diff", "a", "b", "--tolerance", "-1"]);
+    assert!(said.contains("expected a number that is not negative"), "{said}");
+    assert!(!place.path("runs").exists());
+}
+
+#[test]
 fn a_run_leaves_all_its_results_and_is_not_overwritten() {
     let place = Place::new();
     let said = place.expect(0, &["run", "drop.toml"]);

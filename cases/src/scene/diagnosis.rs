@@ -39,6 +39,23 @@ impl Diagnosis {
         Self::new(self.severity, format!("{message}: {reason}"), help.clone(), place.clone())
     }
 
+    /// The same where it is about a setting that another option than `--set` has given, which shows it from a byte on.
+    #[must_use]
+    pub fn given_by(self, option: &str, setting: &str, start: usize) -> Self {
+        let Some(place) = &self.report.place else { return self };
+        if place.source.name() != "--set" || place.source.inner() != setting {
+            return self;
+        }
+        let Range { start: first, end } = place.span;
+        let place = Place {
+            source: NamedSource::new(option, setting[start..].to_owned()),
+            span: first.saturating_sub(start)..end.saturating_sub(start),
+            label: place.label.clone(),
+        };
+        let Report { message, help, .. } = &*self.report;
+        Self::new(self.severity, message.clone(), help.clone(), Some(place))
+    }
+
     /// Whether this is an error, not a warning.
     pub fn is_error(&self) -> bool {
         self.severity == Severity::Error

@@ -25,8 +25,8 @@ pub struct Arguments {
     #[arg(value_parser = length, allow_hyphen_values = true)]
     z: f64,
     /// How many particles
-    #[arg(long, default_value_t = 1, value_name = "N")]
-    count: usize,
+    #[arg(long, default_value_t = 1, value_name = "N", allow_negative_numbers = true)]
+    count: u32,
     #[command(flatten)]
     choice: Choice,
 }
@@ -74,7 +74,7 @@ pub fn place(text: &str) -> Result<Place, String> {
 /// Lists the particles nearest to the place.
 pub fn run(arguments: &Arguments, output: &mut dyn Write) -> Result<Verdict, Failure> {
     let place = Place { r: arguments.r, z: arguments.z };
-    list(&arguments.checkpoint, place, arguments.count, &arguments.choice, output)
+    list(&arguments.checkpoint, place, arguments.count as usize, &arguments.choice, output)
 }
 
 /// Lists as many particles as are wanted, the nearest first.

@@ -24,7 +24,7 @@ pub struct Arguments {
     /// Second checkpoint or folder
     b: PathBuf,
     /// Difference to allow, relative to the largest magnitude of a field; whole numbers must agree
-    #[arg(long, value_name = "X", default_value = "0", value_parser = tolerance)]
+    #[arg(long, value_name = "X", default_value = "0", value_parser = tolerance, allow_negative_numbers = true)]
     tolerance: f64,
     /// Print JSON
     #[arg(long)]

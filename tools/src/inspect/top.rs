@@ -21,8 +21,8 @@ pub struct Arguments {
     /// The field, or speed, size or pressure
     field: String,
     /// How many particles
-    #[arg(long, default_value_t = 10, value_name = "N")]
-    count: usize,
+    #[arg(long, default_value_t = 10, value_name = "N", allow_negative_numbers = true)]
+    count: u32,
     /// The smallest values instead
     #[arg(long)]
     smallest: bool,
@@ -49,7 +49,7 @@ pub fn run(arguments: &Arguments, output: &mut dyn Write) -> Result<Verdict, Fai
     };
     let mut particles: Vec<usize> = (0..field.values.len()).collect();
     particles.sort_by(|&one, &other| key(one).total_cmp(&key(other)));
-    particles.truncate(arguments.count);
+    particles.truncate(arguments.count as usize);
     field.values = particles.iter().map(|&particle| field.values[particle]).collect();
     let which = if arguments.smallest { "smallest" } else { "largest" };
     let of = if arguments.magnitude { "magnitude of " } else { "" };

@@ -28,8 +28,8 @@ pub struct Arguments {
     /// The condition
     condition: String,
     /// How many particles to list; all are counted
-    #[arg(long, default_value_t = 20, value_name = "N")]
-    count: usize,
+    #[arg(long, default_value_t = 20, value_name = "N", allow_negative_numbers = true)]
+    count: u32,
     #[command(flatten)]
     choice: Choice,
 }
@@ -58,7 +58,7 @@ pub fn run(arguments: &Arguments, output: &mut dyn Write) -> Result<Verdict, Fai
         }
     }
     let (met, all) = (found.len(), particles(&columns));
-    found.truncate(arguments.count);
+    found.truncate(arguments.count as usize);
     let caption = match found.len() {
         shown if shown < met => format!("{met} of {all} particles, the first {shown}:"),
         _ => format!("{met} of {all} particles{}", if met > 0 { ":" } else { "" }),

@@ -97,7 +97,8 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<ExitCode, Failure> {
     let started = Moment::now();
     let signals = listen()?;
     let settings = [arguments.set.clone(), arguments.extent.settings()].concat();
-    let scene = scene::read(&arguments.scene, &settings)?;
+    let scene = scene::read(&arguments.scene, &settings);
+    let scene = scene.map_err(|diagnosis| arguments.extent.blamed(diagnosis))?;
     let pool = pool(arguments.extent.threads)?;
     let out = arguments.out.clone();
     let out = out.unwrap_or_else(|| default_folder(&arguments.scene));

@@ -24,7 +24,8 @@ pub(crate) fn resume(arguments: &ResumeArguments) -> Result<ExitCode, Failure> {
     let folder = folder.map_err(|error| Failure::input(error.to_string()))?;
     let Found { name, source, text, start } = find(&folder)?;
     let settings = arguments.extent.settings();
-    let scene = scene::parse(&source, &text, &settings)?;
+    let scene = scene::parse(&source, &text, &settings);
+    let scene = scene.map_err(|diagnosis| arguments.extent.blamed(diagnosis))?;
     if !settings.is_empty() {
         check_end(&folder, &scene, (&source, &text), &start)?;
     }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use meniscus_cases::region::Region;
-use meniscus_cases::scene::{self, Scene};
+use meniscus_cases::scene::{self, Diagnosis, Scene};
 
 use crate::failure::Failure;
 use crate::output::OutputError;
@@ -24,7 +24,7 @@ const PLAIN: [&str; 2] = ["output.frames=0", "output.checkpoint_every=0"];
 
 impl Job {
     /// Reads a scene with settings.
-    pub(crate) fn read(name: String, path: &Path, settings: &[String]) -> Result<Self, Failure> {
+    pub(crate) fn read(name: String, path: &Path, settings: &[String]) -> Result<Self, Diagnosis> {
         let plain = PLAIN.iter().map(|setting| (*setting).to_owned());
         let settings: Vec<String> = plain.chain(settings.iter().cloned()).collect();
         Ok(Job { name, scene: scene::read(path, &settings)? })

@@ -8,6 +8,8 @@ mod variation;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use meniscus_cases::scene::Diagnosis;
+
 use crate::command::{pool, print};
 use crate::failure::Failure;
 use crate::output::summary::Status;
@@ -46,7 +48,7 @@ pub(crate) struct StudyArguments {
     #[arg(long)]
     overwrite: bool,
     /// Threads [default: one for each core]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), allow_negative_numbers = true)]
     threads: Option<u16>,
     /// Show no progress
     #[arg(long, short)]
@@ -63,9 +65,16 @@ pub(crate) fn study(arguments: &StudyArguments) -> Result<ExitCode, Failure> {
     let mut jobs = Vec::new();
     for (index, values) in combinations.iter().enumerate() {
         let pairs = variations.iter().zip(values);
-        let varied = pairs.map(|(variation, value)| format!("{}={value}", variation.key));
-        let settings: Vec<String> = arguments.set.iter().cloned().chain(varied).collect();
-        jobs.push(Job::read(format!("run-{:0width$}", index + 1), &arguments.scene, &settings)?);
+        let varied: Vec<String> =
+            pairs.map(|(variation, value)| format!("{}={value}", variation.key)).collect();
+        let blamed = |diagnosis: Diagnosis| {
+            varied.iter().fold(diagnosis, |diagnosis, setting| diagnosis.given_by("--vary", setting, 0))
+        };
+        let settings = [&arguments.set[..], &varied].concat();
+        let name = format!("run-{:0width$}", index + 1);
+        let mut job = Job::read(name, &arguments.scene, &settings).map_err(blamed)?;
+        job.scene.warnings = job.scene.warnings.into_iter().map(blamed).collect();
+        jobs.push(job);
     }
     warn_once(&jobs);
     prepare(&arguments.out, arguments.overwrite, "study.json")?;

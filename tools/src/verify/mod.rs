@@ -46,7 +46,7 @@ pub(crate) struct VerifyArguments {
     #[arg(long, value_name = "DIR", default_value = "cases")]
     cases: PathBuf,
     /// Threads [default: one for each core]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), allow_negative_numbers = true)]
     threads: Option<u16>,
     /// Show no progress
     #[arg(long, short)]
