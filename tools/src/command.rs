@@ -15,7 +15,8 @@ use crate::verify::VerifyArguments;
 use crate::{inspect, plan, run, study, verify};
 
 const EXIT_CODES: &str = "\
-Exit codes: 0 done; 1 ran but failed; 2 bad input; 130 interrupted after a clean checkpoint.";
+Exit codes: 0 done; 1 ran but failed; 2 bad input; 130 interrupted after a clean checkpoint,
+or at once by a second Ctrl-C.";
 
 const RUN_EXAMPLES: &str = "\
 Examples:
@@ -25,8 +26,9 @@ Examples:
   meniscus run drop.toml --steps 100 --overwrite
   meniscus run drop.toml --profile                           speeds of all stages, and a trace
 
-Ctrl-C stops after a checkpoint, SIGUSR1 writes one and goes on.
-Exit codes: 0 done; 1 blew up; 2 bad input; 130 interrupted after a clean checkpoint.";
+Ctrl-C stops after a checkpoint (while particles are placed, after the first one), a second Ctrl-C at
+once: `meniscus resume` then goes on from the checkpoint before. SIGUSR1 writes one and goes on.
+Exit codes: 0 done; 1 blew up; 2 bad input; 130 interrupted.";
 
 const RESUME_EXAMPLES: &str = "\
 Examples:

@@ -328,6 +328,30 @@ fn an_interrupted_run_stops_after_a_checkpoint() {
     place.expect(0, &["inspect", "verify", &newest]);
 }
 
+#[cfg(unix)]
+#[test]
+fn an_interruption_while_particles_are_placed_is_told_at_once_and_a_second_one_stops() {
+    use std::io::{BufRead, BufReader};
+    let place = Place::new();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_meniscus"))
+        .args(["run", "drop.toml", "--out", "run", "--set", "particles.size=3 nm"])
+        .current_dir(place.folder.path())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    let identity = child.id().to_string();
+    let interrupt = || Command::new("kill").args(["-INT", &identity]).status().unwrap();
+    let mut lines = BufReader::new(child.stderr.take().unwrap()).lines().map(Result::unwrap);
+    // The next one comes when the particles are placed, or of their progress.
+    lines.find(|line| line.starts_with("results in")).unwrap();
+    interrupt();
+    let told = lines.find(|line| !line.contains("placing particles:")).unwrap();
+    assert!(told.starts_with("interrupted: ") && told.contains("again to stop it at once"), "{told}");
+    interrupt();
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert!(!place.path("run/series.csv").exists() && place.path("run/scene.toml").exists());
+}
+
 #[test]
 fn plans_and_completions_write_nothing() {
     let place = Place::new();

@@ -180,7 +180,16 @@ impl Run {
             Display::Alone => Progress::of_part("placing particles"),
             Display::Among { name, .. } => Progress::of_part(&format!("{name}: placing particles")),
         };
-        Ok(Simulation::new(&self.scene, &mut |part| progress.update_part(part))?)
+        let mut told = false;
+        Ok(Simulation::new(&self.scene, &mut |part| {
+            progress.update_part(part);
+            if self.signals.stop() && !std::mem::replace(&mut told, true) {
+                progress.message(
+                    "interrupted: the run stops once the particles are placed, after its first checkpoint; \
+                     interrupt it again to stop it at once",
+                );
+            }
+        })?)
     }
 
     /// Begins the run, and goes to its end. An earlier run in the folder stays until the particles are placed:
