@@ -1,6 +1,6 @@
 //! What can go wrong when results are written or read back, in sentences.
 
-use std::io;
+use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
 use miette::Diagnostic;
@@ -12,15 +12,15 @@ pub type OutputResult<T> = Result<T, OutputError>;
 /// A file or folder of a run that could not be made, written or read.
 #[derive(Debug, Error, Diagnostic)]
 pub enum OutputError {
-    /// The operating system refused; the source says why.
-    #[error("cannot {action} `{}`: {source}", path.display())]
+    /// The operating system refused.
+    #[error("cannot {action} `{}`: {reason}{}", path.display(), way_out(reason))]
     File {
         /// What was tried: "write", "read", "create the folder".
         action: &'static str,
         /// The file or folder concerned.
         path: PathBuf,
         /// The reason that the operating system gave.
-        source: io::Error,
+        reason: io::Error,
     },
     /// The file is there, but its content is not what it should be.
     #[error("`{}`: {problem}", path.display())]
@@ -62,11 +62,21 @@ pub enum OutputError {
     NoRun(PathBuf),
 }
 
+/// What to do where a disk is full, or the user's part of it.
+fn way_out(reason: &io::Error) -> &'static str {
+    match reason.kind() {
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge => {
+            "; free space there and repeat the command, or go on with a run by `meniscus resume DIR`"
+        }
+        _ => "",
+    }
+}
+
 impl OutputError {
     /// Wraps an error of the operating system with what was tried and where.
     pub(crate) fn file(action: &'static str, path: &Path) -> impl FnOnce(io::Error) -> Self {
         let path = path.to_path_buf();
-        move |source| Self::File { action, path, source }
+        move |reason| Self::File { action, path, reason }
     }
 
     /// A file whose content is wrong.
@@ -77,5 +87,20 @@ impl OutputError {
     /// Data that cannot become the file asked for.
     pub(crate) fn data(path: &Path, problem: impl Into<String>) -> Self {
         Self::Data { path: path.to_path_buf(), problem: problem.into() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_full_disk_is_told_once_with_a_way_out() {
+        let path = Path::new("series.csv");
+        let error = |kind| OutputError::file("write", path)(io::Error::from(kind));
+        let told = format!("{:?}", miette::Report::new(error(ErrorKind::StorageFull)));
+        assert_eq!(told.matches("no storage space").count(), 1, "{told}");
+        assert!(told.contains("free space") && told.contains("resume DIR"), "{told}");
+        assert!(!error(ErrorKind::PermissionDenied).to_string().contains("free space"));
     }
 }
