@@ -302,6 +302,22 @@ fn a_blow_up_is_told_with_its_last_state() {
     assert!(summary.contains(r#""status": "failed""#), "{summary}");
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn results_that_cannot_be_printed_are_no_success() {
+    let place = Place::new();
+    let full = fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_meniscus"))
+        .args(["run", "drop.toml", "--steps", "2"])
+        .current_dir(place.folder.path())
+        .stdout(full)
+        .output()
+        .unwrap();
+    let said = said(&output);
+    assert!(output.status.code() == Some(1) && said.contains("cannot write the output"), "{said}");
+    assert!(place.path("runs/drop/summary.json").exists());
+}
+
 #[cfg(unix)]
 #[test]
 fn an_interrupted_run_stops_after_a_checkpoint() {

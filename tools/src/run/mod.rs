@@ -20,7 +20,7 @@ use meniscus_cases::simulation::Simulation;
 use meniscus_engine::checkpoint::Checkpoint;
 use meniscus_engine::pipeline::Fault;
 
-use crate::command::{RunArguments, pool};
+use crate::command::{RunArguments, pool, print};
 use crate::failure::Failure;
 use crate::output::folder::RunFolder;
 use crate::output::progress::Progress;
@@ -108,7 +108,7 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<ExitCode, Failure> {
     let profiler = Profiler::asked(&arguments.extent, &pool)?;
     let run = Run { scene, folder, signals, display, profiler, started };
     run.introduce();
-    pool.install(|| run.begin()).map(|summary| tell(&summary))
+    tell(&pool.install(|| run.begin())?)
 }
 
 /// Runs a scene into a folder that was taken for it, on the threads of the caller's pool.
@@ -123,14 +123,16 @@ pub(crate) fn run_into(
 }
 
 /// Prints what a run has given, and turns it into an exit code.
-fn tell(summary: &Summary) -> ExitCode {
-    // A closed pipe is no failure of the run.
-    let _ = print_table(summary, &mut std::io::stdout().lock());
-    match summary.status {
+fn tell(summary: &Summary) -> Result<ExitCode, Failure> {
+    let mut text = Vec::new();
+    // Memory takes whatever is written.
+    let _ = print_table(summary, &mut text);
+    print(&String::from_utf8_lossy(&text))?;
+    Ok(match summary.status {
         Some(Status::Interrupted) => ExitCode::from(INTERRUPTED),
         Some(Status::Failed) => ExitCode::from(1),
         Some(Status::Done) | None => ExitCode::SUCCESS,
-    }
+    })
 }
 
 /// Signals from now on.

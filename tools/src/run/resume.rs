@@ -38,14 +38,14 @@ pub(crate) fn resume(arguments: &ResumeArguments) -> Result<ExitCode, Failure> {
         eprintln!(
             "the run in {folder} has reached {end}; its results stay, and `{further}` lets it go further"
         );
-        return Ok(tell(&summary));
+        return tell(&summary);
     }
     let pool = pool(arguments.extent.threads)?;
     let display = Display::alone(arguments.extent.quiet);
     let profiler = Profiler::asked(&arguments.extent, &pool)?;
     let run = Run { scene, folder, signals, display, profiler, started };
     eprintln!("continues from {name}");
-    pool.install(|| run.take_up(start)).map(|summary| tell(&summary))
+    tell(&pool.install(|| run.take_up(start))?)
 }
 
 /// From where a run goes on, and its scene.
