@@ -83,7 +83,7 @@ impl AddAssign for PairWork {
 /// A quantity that went bad: the run stops here.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error(
-    "{quantity} of particle {particle} at (r, z) = ({r:.6e}, {z:.6e}) m became {value:e} in stage `{stage}` at step {step}"
+    "{quantity} of particle {particle} at (r, z) = ({r:.6e}, {z:.6e}) m became {value:e}{note} in stage `{stage}` at step {step}"
 )]
 pub struct Fault {
     /// The stage that found it.
@@ -94,6 +94,8 @@ pub struct Fault {
     pub quantity: &'static str,
     /// Its value.
     pub value: f64,
+    /// What is told after the value where this does not speak for itself.
+    pub note: String,
     /// Radius in metres.
     pub r: f64,
     /// Axial position in metres.

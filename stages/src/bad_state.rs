@@ -50,7 +50,16 @@ impl BadState {
     pub(crate) fn fault(&self, world: &World, i: usize, quantity: &'static str, value: f64) -> Fault {
         let [.., z, r] = self.state.map(|field| world.store.read(field)[i]);
         let particle = world.store.read(self.identity)[i];
-        Fault { stage: self.stage, particle, quantity, value, r, z, step: world.clock.step }
+        Fault {
+            stage: self.stage,
+            particle,
+            quantity,
+            value,
+            note: String::new(),
+            r,
+            z,
+            step: world.clock.step,
+        }
     }
 }
 

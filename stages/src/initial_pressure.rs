@@ -101,6 +101,7 @@ impl<E: EquationOfState> Stage for InitialPressure<E> {
                 particle: store.read(self.identity)[i],
                 quantity: "density",
                 value: density[i],
+                note: String::new(),
                 r: r[i],
                 z: z[i],
                 step: world.clock.step,

@@ -179,13 +179,20 @@ impl ChunkStage for TimeStep {
         let strains_most = with_largest(strain_rate.len(), |i| strain_rate[i].abs());
         if acoustic > VANISHING * at_rest {
             // The motion is sound: another stage's bound leaves no step, as of a liquid far too viscous.
-            let (bound, worst) = match world.clock.bound().map_or("", |bound| bound.reason) {
-                "viscous" => ("viscous time step", self.most_viscous(world)),
+            let (bound, worst, way_out) = match world.clock.bound().map_or("", |bound| bound.reason) {
+                "viscous" => (
+                    "viscous time step",
+                    self.most_viscous(world),
+                    ": lower the viscosity or enlarge the particles",
+                ),
                 // It is the same for all particles: none of them sets it.
-                "surface tension" => ("capillary time step", strains_most),
-                _ => ("time step", strains_most),
+                "surface tension" => {
+                    ("capillary time step", strains_most, ": raise the sound speed or enlarge the particles")
+                }
+                _ => ("time step", strains_most, ""),
             };
-            return Err(self.bad_state.fault(world, worst, bound, step_size));
+            let note = format!(" s (at least {:.3e} s is needed{way_out})", VANISHING * at_rest);
+            return Err(Fault { note, ..self.bad_state.fault(world, worst, bound, step_size) });
         }
         Err(self.bad_state.fault(world, strains_most, "strain_rate", strain_rate[strains_most]))
     }

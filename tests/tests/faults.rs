@@ -93,6 +93,8 @@ fn who_sets_the_viscous_bound_is_named() {
     let fastest = (0..r.len()).max_by(|&a, &b| rate(a).total_cmp(&rate(b))).expect("particles");
     let identity = simulation.world.store.by_name::<u32>("identity").expect("a column")[fastest];
     assert_eq!((fault.quantity, fault.particle), ("viscous time step", identity), "{fault}");
+    let told = fault.to_string();
+    assert!(told.contains(" s (at least ") && told.contains("lower the viscosity"), "{told}");
 }
 
 #[test]

@@ -211,25 +211,27 @@ fn check_heat(scene: &Scene, places: &[Entry<'_>]) -> Result<(), Fault> {
         return Ok(());
     }
     let method = &scene.method;
-    let of_shocks =
-        method.flux == Flux::FirstOrder && method.shock_contacts && scene.liquid.viscosity == 0.0;
+    let of_shocks = method.flux == Flux::FirstOrder && method.shock_contacts && scene.liquid.viscosity == 0.0;
     let mut states = scene.bodies.iter().flat_map(|body| {
         let points = body.shape.interior_points(SAMPLES);
         points.map(move |[r, z]| (body.velocity.at(r, z), body.internal_energy.at(r, z)))
     });
     let first = states.next();
     // (Rings that all move at one radial speed come closer together.)
-    let idle = first.is_some_and(|([radial, _], _)| radial == 0.0) && states.all(|state| Some(state) == first);
+    let idle =
+        first.is_some_and(|([radial, _], _)| radial == 0.0) && states.all(|state| Some(state) == first);
     for (body, place) in scene.bodies.iter().zip(places) {
         let points = body.shape.interior_points(SAMPLES);
         let least = points.map(|[r, z]| body.internal_energy.at(r, z)).fold(f64::INFINITY, f64::min);
         let example = "give the body a positive one: internal_energy = \"100 J/kg\"";
         if least < 0.0 {
-            let message = format!("`internal_energy` is {} J/kg somewhere: a gas has no less than 0", Short(least));
+            let message =
+                format!("`internal_energy` is {} J/kg somewhere: a gas has no less than 0", Short(least));
             return Err(place.fault(message, example));
         }
         if least == 0.0 && idle {
-            let message = "this gas has no internal energy and no part of it moves against another: nothing happens";
+            let message =
+                "this gas has no internal energy and no part of it moves against another: nothing happens";
             return Err(place.fault(message, example));
         }
         if least == 0.0 && !of_shocks {

@@ -179,8 +179,7 @@ impl Measure {
                 let place = table.required("axial", "axial = \"3 um\"")?;
                 let axial = place.quantity(LENGTH)?;
                 if !(0.6..=1.6).contains(&(axial / radial)) {
-                    let message =
-                        "`axial` must be 0.6 to 1.6 times `radial`: the exact motion of longer drops is not known";
+                    let message = "`axial` must be 0.6 to 1.6 times `radial`: the exact motion of longer drops is not known";
                     let (least, most) = (Short(0.6 * radial), Short(1.6 * radial));
                     return Err(place.fault(message, format!("choose {least} to {most} m")));
                 }

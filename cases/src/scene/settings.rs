@@ -58,10 +58,9 @@ impl Setting {
         }
         let existing = set_in_table(root, &path, parsed(value)).map_err(|depth| {
             let (message, help) = match path.get(depth) {
-                None => (
-                    format!("`{key}` is a table"),
-                    format!("name one of its keys: --set {key}.KEY=VALUE"),
-                ),
+                None => {
+                    (format!("`{key}` is a table"), format!("name one of its keys: --set {key}.KEY=VALUE"))
+                }
                 Some(part) => (
                     format!("`{}` holds no key `{part}`", path[..depth].join(".")),
                     "the key must lead through tables, and lists by their index from 0".to_owned(),

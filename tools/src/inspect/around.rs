@@ -14,7 +14,11 @@ pub const AT_BOUNDARY: f64 = 2.0;
 pub fn explain(clock: &Clock, columns: &[ColumnView<'_>], scene: Option<&Scene>) -> Option<String> {
     let Crash { stage, quantity, value, particle, place, step } = Crash::told_by(clock)?;
     let unit = column(columns, &quantity).map_or(String::new(), |column| format!(" {}", column.unit()));
-    let unit = if unit.trim() == "1" { String::new() } else { unit };
+    let unit = match unit.trim() {
+        "1" => String::new(),
+        _ if quantity.ends_with("time step") => " s".to_owned(),
+        _ => unit,
+    };
     let [r, z] = place.map(number);
     let became = match value {
         value if value.is_nan() => "became no number (NaN)".to_owned(),

@@ -181,7 +181,8 @@ impl Results {
                 let measure = row.measured(name);
                 let error = measure.and_then(|measure| measure.error);
                 let numbers = [measure.map(|measure| measure.value), error];
-                record.extend(numbers.map(|number| number.map_or(String::new(), |number| number.to_string())));
+                record
+                    .extend(numbers.map(|number| number.map_or(String::new(), |number| number.to_string())));
             }
             record.extend([row.particle_size.to_string(), row.particles.to_string(), row.steps.to_string()]);
             record.extend([row.core_seconds.to_string(), row.core_ns_per_particle_step.to_string()]);
