@@ -41,6 +41,7 @@ pub fn check_target(path: &Path, overwrite: bool) -> Result<(), Failure> {
         return Err(Failure::NoFolder { path: path.to_path_buf(), folder: folder.to_path_buf() });
     }
     match path.exists() && !overwrite {
+        _ if path.is_dir() => Err(Failure::IsFolder { path: path.to_path_buf() }),
         true => Err(Failure::Exists { path: path.to_path_buf() }),
         false => Ok(()),
     }

@@ -53,6 +53,8 @@ pub enum Failure {
     Range { low: f64, high: f64 },
     #[error("{}: there is a file already; choose another name, or replace it with --overwrite", path.display())]
     Exists { path: PathBuf },
+    #[error("{}: there is a folder of that name; choose another name", path.display())]
+    IsFolder { path: PathBuf },
     #[error("{0}")]
     Condition(Diagnosis),
     #[error(transparent)]

@@ -278,4 +278,8 @@ fn exports_are_not_written_over_one_another() {
         assert!(!path.exists());
     }
     assert!(inspect(&["render", &run, "axial", "a.gif"]).1.is_err());
+    let taken = folder.path().join("a.png");
+    fs::create_dir(&taken).unwrap();
+    let taken = inspect(&["render", &run, "axial", text(&taken), "--overwrite"]).1;
+    assert!(taken.unwrap_err().to_string().contains("choose another name"));
 }
