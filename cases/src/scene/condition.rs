@@ -122,6 +122,7 @@ fn dimension(unit: &str) -> Dimension {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use miette::Diagnostic;
 
     const FIELDS: [(&str, &str); 4] =
         [("density", "kg/m3"), ("speed", "m/s"), ("strain_rate", "1/s"), ("identity", "1")];
@@ -172,6 +173,11 @@ mod tests {
             let error = Condition::parse(text, &FIELDS).unwrap_err();
             assert!(error.to_string().contains(message), "{text}: {error}");
             assert_eq!(error.blamed().unwrap(), blamed, "{text}: {error}");
+        }
+        let deep = format!("{}z < 1 um", "-(".repeat(200));
+        for long in ["z < 1 um or ".repeat(200), deep] {
+            let help = Condition::parse(&long, &FIELDS).unwrap_err().help().unwrap().to_string();
+            assert!(help.contains("ask for less"), "{help}");
         }
     }
 }

@@ -33,7 +33,7 @@ const DEPTH: usize = 100;
 /// # Errors
 /// At the first place that breaks the grammar.
 pub(super) fn parse(text: &str) -> Result<Node, Mistake> {
-    whole(text, "an operator or the end", |parser| parser.sum())
+    whole(text, ["an operator or the end", "name its parts in [parameters]"], |parser| parser.sum())
 }
 
 /// Reads a whole text as a condition.
@@ -41,19 +41,20 @@ pub(super) fn parse(text: &str) -> Result<Node, Mistake> {
 /// # Errors
 /// At the first place that breaks the grammar.
 pub(super) fn parse_condition(text: &str) -> Result<Test, Mistake> {
-    whole(text, "`and`, `or`, a comparison or the end", |parser| parser.alternatives())
+    let ways_out = ["`and`, `or`, a comparison or the end", "ask for less at once"];
+    whole(text, ways_out, |parser| parser.alternatives())
 }
 
 fn whole<T>(
     text: &str,
-    end: &str,
+    [end, shorter]: [&'static str; 2],
     read: impl FnOnce(&mut Parser<'_>) -> Result<T, Mistake>,
 ) -> Result<T, Mistake> {
     if text.len() > LENGTH {
         let message = format!("the expression is longer than {LENGTH} characters");
-        return Err(Mistake::new(0..text.len(), message, "name its parts in [parameters]"));
+        return Err(Mistake::new(0..text.len(), message, shorter));
     }
-    let mut parser = Parser { scanner: Scanner::new(text), depth: 0 };
+    let mut parser = Parser { scanner: Scanner::new(text), depth: 0, shorter };
     let read = read(&mut parser)?;
     parser.scanner.skip_spaces();
     if parser.scanner.position < text.len() {
@@ -65,6 +66,8 @@ fn whole<T>(
 struct Parser<'a> {
     scanner: Scanner<'a>,
     depth: usize,
+    /// What to do where the text is too long or too deep.
+    shorter: &'static str,
 }
 
 impl Parser<'_> {
@@ -158,7 +161,7 @@ impl Parser<'_> {
             return Err(Mistake::new(
                 self.scanner.position..end,
                 "the expression is nested too deeply",
-                "name its parts in [parameters]",
+                self.shorter,
             ));
         }
         let mut left = self.product()?;
