@@ -44,8 +44,9 @@ Examples:
   meniscus plan cases/laplace-drop/scene.toml                the stages, and how long a run takes
   meniscus plan drop.toml --set particle_size='20 nm' --fields
 
-The time is that of filling, steps and pictures, each measured in a piece of the run as the machine
-is now; what disks take is not in it.";
+The time is that of filling, steps and pictures, each measured as the machine is now: all particles are
+placed, which takes as long as in the run, and a few seconds of steps and pictures; what disks take is not
+in it.";
 
 const COMPLETIONS_EXAMPLES: &str = "\
 Example:
@@ -67,7 +68,7 @@ enum Command {
     /// Continue a run from its newest valid checkpoint
     #[command(after_help = RESUME_EXAMPLES)]
     Resume(ResumeArguments),
-    /// Tell what a run would do, and what it would cost by a piece of a few seconds, without writing anything
+    /// Tell what a run would do, and what it would cost by a piece of it, without writing anything
     #[command(after_help = PLAN_EXAMPLES)]
     Plan(PlanArguments),
     /// Run the project's cases and compare them with what is exact
