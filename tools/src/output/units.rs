@@ -30,11 +30,14 @@ const PREFIXABLE: [&str; 10] = ["s", "m", "N", "J", "W", "Pa", "Hz", "A", "V", "
 
 /// The scale at which a value of `magnitude` (in the SI `unit`) has one to
 /// three digits before the point. Units that take no prefix ("", "%", "m^2",
-/// "kg/m^3") stay as they are.
+/// "kg/m^3") stay as they are, and so do values so far beyond the prefixes
+/// that they would need an exponent besides.
 pub fn scale(magnitude: f64, unit: &str) -> Scale {
     let exponent = if takes_prefix(unit) && magnitude.is_finite() && magnitude != 0.0 {
-        let thousands = decimal_exponent(magnitude, 4).div_euclid(3) * 3;
-        thousands.clamp(-18, 18)
+        match decimal_exponent(magnitude, 4).div_euclid(3) * 3 {
+            thousands @ -21..=21 => thousands.clamp(-18, 18),
+            _ => 0,
+        }
     } else {
         0
     };
@@ -67,16 +70,20 @@ pub fn significant(value: f64, digits: usize) -> String {
     format!("{value:.decimals$}")
 }
 
-/// Seconds as people count them: "12.3 ms", "41.2 s", "3 min 05 s", "2 h 07 min".
+/// Seconds as people count them: "12.3 ms", "41.2 s", "3 min 05 s", "2 h 07 min", "3 d 04 h", "5.32 years".
 pub fn duration(seconds: f64) -> String {
-    // Beyond that (or when not a number) no clock helps.
-    if !(100.0..1e9).contains(&seconds) {
+    const YEAR: f64 = 365.25 * 86_400.0;
+    if seconds.is_nan() || seconds < 100.0 || seconds.is_infinite() {
         return quantity(seconds, "s", 3);
+    }
+    if seconds >= YEAR {
+        return format!("{} years", significant(seconds / YEAR, 3));
     }
     let whole = seconds.round() as u64;
     match whole {
         0..3600 => format!("{} min {:02} s", whole / 60, whole % 60),
-        _ => format!("{} h {:02} min", whole / 3600, whole % 3600 / 60),
+        0..86_400 => format!("{} h {:02} min", whole / 3600, whole % 3600 / 60),
+        _ => format!("{} d {:02} h", whole / 86_400, whole % 86_400 / 3600),
     }
 }
 
@@ -164,6 +171,9 @@ mod tests {
         assert_eq!(quantity(0.99999e-3, "s", 3), "1.00 ms");
         assert_eq!(quantity(101_325.0, "Pa", 4), "101.3 kPa");
         assert_eq!(quantity(0.0, "s", 3), "0 s");
+        assert_eq!(quantity(1e283, "m/s", 4), "1.000e283 m/s");
+        assert_eq!([quantity(2e22, "s", 2), quantity(2e-20, "J", 2)], ["20000 Es", "0.020 aJ"]);
+        assert_eq!(quantity(2e-25, "J", 2), "2.0e-25 J");
         assert_eq!(quantity(998.2, "kg/m^3", 4), "998.2 kg/m³");
         assert_eq!(quantity(1.5e-7, "m^2", 2), "1.5e-7 m²");
         assert_eq!(quantity(3.25, "1", 3), "3.25");
@@ -197,5 +207,10 @@ mod tests {
         assert_eq!(duration(0.0123), "12.3 ms");
         assert_eq!(duration(185.0), "3 min 05 s");
         assert_eq!(duration(7620.0), "2 h 07 min");
+        assert_eq!(duration(86_399.9), "1 d 00 h");
+        assert_eq!(duration(273_600.0), "3 d 04 h");
+        assert_eq!(duration(8.05e9), "255 years");
+        assert_eq!(duration(1e290), "3.17e282 years");
+        assert_eq!(duration(f64::INFINITY), "inf s");
     }
 }
