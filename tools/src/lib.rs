@@ -4,6 +4,7 @@
 pub mod command;
 mod failure;
 pub mod inspect;
+mod memory;
 pub mod output;
 mod plan;
 mod run;

@@ -161,6 +161,12 @@ impl Scene {
         self.bodies.iter().map(fastest).fold(0.0, f64::max)
     }
 
+    /// Particles at the start, by the bodies' areas.
+    pub fn expected_particles(&self) -> f64 {
+        let area: f64 = self.bodies.iter().map(|body| body.shape.moments()[0]).sum();
+        area / self.particle_size.powi(2)
+    }
+
     /// The given sound speed in m/s, or ten times the fastest motion the scene can expect: the
     /// initial one, or the root of eight times the capillary velocity; never below that of its gas.
     pub fn derived_sound_speed(&self) -> f64 {

@@ -7,6 +7,7 @@ use meniscus_cases::scene::Scene;
 use meniscus_cases::simulation::Simulation;
 
 use crate::failure::Failure;
+use crate::memory;
 use crate::run;
 
 /// Elapsed time of a trial of steps.
@@ -42,6 +43,7 @@ impl Calibration {
 
 /// Fills the scene and runs pieces of it. Nothing is written.
 pub(super) fn calibrate(scene: &Scene) -> Result<Calibration, Failure> {
+    memory::check(scene)?;
     let begun = Instant::now();
     let mut simulation = Simulation::new(scene, &mut |_| ())?;
     let start_seconds = begun.elapsed().as_secs_f64();

@@ -22,6 +22,7 @@ use meniscus_engine::pipeline::Fault;
 
 use crate::command::{RunArguments, pool, print};
 use crate::failure::Failure;
+use crate::memory;
 use crate::output::folder::RunFolder;
 use crate::output::progress::Progress;
 use crate::output::summary::{Status, Summary, print_table};
@@ -177,6 +178,7 @@ impl Run {
 
     /// Fills the bodies with particles.
     fn fill(&self) -> Result<Simulation, Failure> {
+        memory::check(&self.scene)?;
         let mut progress = match &self.display {
             Display::Quiet => Progress::quiet(),
             Display::Alone => Progress::of_part("placing particles"),
