@@ -1,6 +1,6 @@
 //! Shocks against their exact solutions.
 
-use meniscus_cases::scene::{Scene, parse};
+use meniscus_cases::scene::Scene;
 use meniscus_cases::simulation::Simulation;
 use meniscus_tests::drops::{self, column};
 use std::f64::consts::PI;
@@ -67,11 +67,4 @@ fn a_cold_gas_is_stopped_by_the_shock_of_nohs_problem() {
         assert!((plateau / 16.0 - 1.0).abs() < 0.06, "{heat}: {plateau}");
         assert!((ahead / 2.765 - 1.0).abs() < 0.05, "{heat}: {ahead}");
     }
-}
-
-#[test]
-fn the_papers_contacts_take_no_gas_without_heat() {
-    let settings = ["method.shock_contacts=false".to_owned()];
-    let refused = parse("noh.toml", NOH, &settings).expect_err("no steps can be taken");
-    assert!(refused.to_string().contains("needs the contacts of shocks"), "{refused}");
 }

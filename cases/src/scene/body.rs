@@ -48,14 +48,13 @@ pub(super) const LIGHT: f64 = 299_792_458.0;
 /// Points along each side of the grid on which fields are sampled.
 pub(super) const SAMPLES: usize = 64;
 
-/// Reads a body; `origin` is the radius of the scene's r = 0. Also hands back the entries of its
-/// shape and its internal energy, or of the body that lacks the latter, for later mistakes.
+/// Reads a body; `origin` is the radius of the scene's r = 0. Also hands back the entry of its
+/// shape, for later mistakes.
 pub(super) fn read<'a>(
     entry: Entry<'a>,
     origin: f64,
     equation: EquationOfState,
-) -> Result<(Body, [Entry<'a>; 2]), Fault> {
-    let whole = entry.clone();
+) -> Result<(Body, Entry<'a>), Fault> {
     let table = Section::new(entry, &["shape", "velocity", "density", "internal_energy"])?;
     let place = table.required("shape", "shape = { sphere = { radius = \"2.5 um\" } }")?;
     let shape = shapes::read(place.clone(), origin)?;
@@ -72,10 +71,16 @@ pub(super) fn read<'a>(
     }
     let internal_energy = table.read_or("internal_energy", Formula::zero(), |entry| {
         entry.context.check_finite()?;
-        finite_field(&entry, SPECIFIC_ENERGY, &shape)
+        let formula = finite_field(&entry, SPECIFIC_ENERGY, &shape)?;
+        let least = shape.interior_points(SAMPLES).map(|[r, z]| formula.at(r, z)).fold(0.0, f64::min);
+        if least < 0.0 && matches!(equation, EquationOfState::IdealGas { .. }) {
+            let message =
+                format!("`internal_energy` is {} J/kg somewhere: a gas has no less than 0", Short(least));
+            return Err(entry.fault(message, "give the body a positive one, or none"));
+        }
+        Ok(formula)
     })?;
-    let heat = table.optional("internal_energy").unwrap_or(whole);
-    Ok((Body { shape, velocity, density, internal_energy }, [place, heat]))
+    Ok((Body { shape, velocity, density, internal_energy }, place))
 }
 
 fn read_velocity(entry: Entry<'_>, shape: &Shape) -> Result<VelocityField, Fault> {

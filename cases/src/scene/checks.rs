@@ -1,6 +1,6 @@
 //! What must hold between the parts of a scene.
 
-use super::body::{LIGHT, SAMPLES};
+use super::body::LIGHT;
 use super::diagnosis::Fault;
 use super::entry::Entry;
 use super::quantity::Short;
@@ -14,8 +14,6 @@ use crate::region::Region;
 pub(super) struct Places<'a> {
     /// The bodies' shapes.
     pub(super) shapes: &'a [Entry<'a>],
-    /// The bodies' internal energies, or the bodies that lack them.
-    pub(super) heats: &'a [Entry<'a>],
     /// The particle size.
     pub(super) size: &'a Entry<'a>,
     /// The sound speed, or the table that lacks it.
@@ -70,7 +68,6 @@ pub(super) fn check(scene: &Scene, places: &Places<'_>) -> Result<Vec<Fault>, Fa
             }
         }
     }
-    check_heat(scene, places.heats)?;
     let mut doubts = check_sound_speed(scene, &places.sound_speed)?;
     check_measures(scene, places.measures)?;
     doubts.extend(doubt_of_viscosity(scene, &places.viscosity));
@@ -204,47 +201,6 @@ fn check_measures(scene: &Scene, places: &[Entry<'_>]) -> Result<(), Fault> {
     Ok(())
 }
 
-/// A gas without heat has no sound: nothing says how long a step may be where it does not move either, and where two
-/// particles without impedance touch the state between them is 0/0, unless the contacts are those of shocks.
-fn check_heat(scene: &Scene, places: &[Entry<'_>]) -> Result<(), Fault> {
-    if !matches!(scene.liquid.equation_of_state, EquationOfState::IdealGas { .. }) {
-        return Ok(());
-    }
-    let method = &scene.method;
-    let of_shocks = method.flux == Flux::FirstOrder && method.shock_contacts && scene.liquid.viscosity == 0.0;
-    let mut states = scene.bodies.iter().flat_map(|body| {
-        let points = body.shape.interior_points(SAMPLES);
-        points.map(move |[r, z]| (body.velocity.at(r, z), body.internal_energy.at(r, z)))
-    });
-    let first = states.next();
-    // (Rings that all move at one radial speed come closer together.)
-    let idle =
-        first.is_some_and(|([radial, _], _)| radial == 0.0) && states.all(|state| Some(state) == first);
-    for (body, place) in scene.bodies.iter().zip(places) {
-        let points = body.shape.interior_points(SAMPLES);
-        let least = points.map(|[r, z]| body.internal_energy.at(r, z)).fold(f64::INFINITY, f64::min);
-        let example = "give the body a positive one: internal_energy = \"100 J/kg\"";
-        if least < 0.0 {
-            let message =
-                format!("`internal_energy` is {} J/kg somewhere: a gas has no less than 0", Short(least));
-            return Err(place.fault(message, example));
-        }
-        if least == 0.0 && idle {
-            let message =
-                "this gas has no internal energy and no part of it moves against another: nothing happens";
-            return Err(place.fault(message, example));
-        }
-        if least == 0.0 && !of_shocks {
-            let message = "a gas without internal energy needs the contacts of shocks";
-            let help = format!(
-                "{example}; or set flux = \"first-order\" and shock_contacts = true in [method], and no viscosity"
-            );
-            return Err(place.fault(message, help));
-        }
-    }
-    Ok(())
-}
-
 fn check_sound_speed(scene: &Scene, place: &Entry<'_>) -> Result<Vec<Fault>, Fault> {
     let speed = scene.derived_sound_speed();
     if speed > LIGHT {
@@ -258,6 +214,10 @@ fn check_sound_speed(scene: &Scene, place: &Entry<'_>) -> Result<Vec<Fault>, Fau
         return Err(place.fault(message, help));
     }
     if scene.liquid.equation_of_state != EquationOfState::Linear {
+        if speed == 0.0 {
+            let message = "this gas has no heat and is at rest: nothing happens";
+            return Err(place.fault(message, "give a body a velocity or an internal_energy"));
+        }
         // Shocks compress, and a gas knows its own speed.
         return Ok(Vec::new());
     }

@@ -56,8 +56,7 @@ pub(super) fn scene(name: &str, text: &str) -> Result<(Scene, Vec<Fault>, Vec<Fa
         .map(|entry| body::read(entry, domain.origin, liquid.equation_of_state))
         .collect::<Result<Vec<_>, _>>()?;
     context.check_finite()?;
-    let (bodies, places): (Vec<_>, Vec<_>) = bodies.into_iter().unzip();
-    let (shapes, heats): (Vec<_>, Vec<_>) = places.into_iter().map(|[shape, heat]| (shape, heat)).unzip();
+    let (bodies, shapes): (Vec<_>, Vec<_>) = bodies.into_iter().unzip();
     let particles =
         Section::new(table.required("particles", "[particles] with size = \"50 nm\"")?, &["size"])?;
     let size = particles.required("size", "size = \"50 nm\"")?;
@@ -88,7 +87,6 @@ pub(super) fn scene(name: &str, text: &str) -> Result<(Scene, Vec<Fault>, Vec<Fa
     let chosen = |key: &str| table.inner("method", key);
     let places = checks::Places {
         shapes: &shapes,
-        heats: &heats,
         size: &size,
         sound_speed,
         viscosity,

@@ -126,41 +126,14 @@ fn a_gas_has_its_own_keys() {
     let (gas, _) = gas.split_once("[[measure]]").unwrap();
     let gas =
         gas.replacen("velocity = {", "internal_energy = \"3 J/kg\"\ndensity = \"2 g/L\"\nvelocity = {", 1);
+    let still = ["body.0.velocity.r=0", "body.0.velocity.z=0", "body.0.internal_energy=0"];
+    mistake(&gas, &still, &["no heat and is at rest", "a velocity or an internal_energy"]);
+    let negative = gas.replacen("\"3 J/kg\"", "\"-2 J/kg\"", 1);
+    mistake(&negative, &[], &["is -2 J/kg somewhere", "a positive one"]);
     let scene = parse("gas.toml", &gas, &[]).unwrap();
     assert_eq!(scene.liquid.equation_of_state, EquationOfState::IdealGas { heat_ratio: 5.0 / 3.0 });
     assert_eq!(scene.central_force, 2.0);
     assert_eq!((scene.bodies[0].density, scene.bodies[0].internal_energy.at(0.0, 0.0)), (Some(2.0), 3.0));
-}
-
-#[test]
-fn a_gas_without_heat_needs_contacts_of_shocks() {
-    const GAS: &str = r#"format = 1
-[liquid]
-density = "1 kg/m3"
-equation_of_state = "ideal-gas"
-heat_ratio = "5/3"
-[[body]]
-shape = { sphere = { radius = "1 m" } }
-velocity = { z = "-1 Hz * z" }
-internal_energy = "0 J/kg"
-[particles]
-size = "0.1 m"
-[run]
-until = "1 s"
-[method]
-flux = "first-order"
-"#;
-    let with = |from: &str, to: &str| GAS.replacen(from, to, 1);
-    super::read(GAS);
-    super::read(&with("0 J/kg", "1 J/kg").replace("first-order", "reconstructed"));
-    super::read(&with("z = \"-1 Hz * z\"", "r = \"-1 m/s\""));
-    let shocks = ["needs the contacts of shocks", "positive one", "flux = \"first-order\""];
-    mistake_at(&with("first-order", "reconstructed"), 9, "\"0 J/kg\"", &shocks);
-    mistake(&with("internal_energy = \"0 J/kg\"", "").replace("first-order", "reconstructed"), &[], &shocks);
-    mistake(GAS, &["method.shock_contacts=false"], &shocks);
-    mistake(GAS, &["liquid.viscosity=1 Pa s"], &shocks);
-    mistake_at(&with("-1 Hz * z", "1 m/s"), 9, "\"0 J/kg\"", &["nothing happens"]);
-    mistake_at(&with("0 J/kg", "-2 J/kg"), 9, "\"-2 J/kg\"", &["is -2 J/kg", "positive one"]);
 }
 
 #[test]
