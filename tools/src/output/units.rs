@@ -82,7 +82,7 @@ pub fn duration(seconds: f64) -> String {
     let whole = seconds.round() as u64;
     match whole {
         0..3600 => format!("{} min {:02} s", whole / 60, whole % 60),
-        0..86_400 => format!("{} h {:02} min", whole / 3600, whole % 3600 / 60),
+        3600..86_400 => format!("{} h {:02} min", whole / 3600, whole % 3600 / 60),
         _ => format!("{} d {:02} h", whole / 86_400, whole % 86_400 / 3600),
     }
 }
