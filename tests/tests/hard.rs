@@ -388,12 +388,26 @@ fn a_jet_breaks_up_and_its_drops_stay_whole() {
 }
 
 /// Particles that stuck to the axis made steps twenty times shorter there (`cases/rayleigh-plateau-jet`).
+const LARGE_SUPPORTS: [&str; 2] = ["method.theta=0.75", "method.theta=1"];
+
 #[test]
-fn torn_surfaces_survive_large_supports() {
-    for theta in ["method.theta=0.75", "method.theta=1"] {
+fn a_torn_drop_survives_large_supports() {
+    for theta in LARGE_SUPPORTS {
         survive("oscillating-drop/hard.toml", &["particle_size=\"90 nm\"", theta]);
-        survive("rayleigh-plateau-jet/scene.toml", &["particle_size=\"66.7 nm\"", "times=18", theta]);
+    }
+}
+
+#[test]
+fn a_torn_film_survives_large_supports() {
+    for theta in LARGE_SUPPORTS {
         survive("taylor-culick-film/hard.toml", &[theta]);
+    }
+}
+
+#[test]
+fn a_torn_jet_survives_large_supports() {
+    for theta in LARGE_SUPPORTS {
+        survive("rayleigh-plateau-jet/scene.toml", &["particle_size=\"66.7 nm\"", "times=18", theta]);
     }
 }
 
