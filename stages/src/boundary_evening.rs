@@ -20,6 +20,8 @@ const FARTHEST: f64 = 0.02;
 /// areas V = m/(2 pi R rho) change at once. (From one size on pairs of rings at the poles came within .3 D.)
 const NEAR_AXIS: f64 = 3.0;
 
+/// Evening of the boundary, which neither the paper nor method.md has.
+///
 /// The nearest particles of the boundary along the surface, one to either side, are at the distances a and b. Where one of them is
 /// crowded or far a particle moves along the surface's tangent by
 ///

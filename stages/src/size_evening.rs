@@ -31,6 +31,8 @@ const NEIGHBOURS: f64 = 16.0;
 pub(crate) type Carried = ArrayVec<Update<f64>, CARRIED>;
 const CARRIED: usize = 5;
 
+/// Exchange of mass, which neither the paper nor method.md has.
+///
 /// Of two neighbours with areas V = D^2, over what they want to have (`wanted_size`), the larger gives the smaller one mass until
 /// x = (V_b - V_a)/(V_a + V_b) is no more than the tolerance:
 ///

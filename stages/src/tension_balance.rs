@@ -1,4 +1,5 @@
-//! The balance of tension: its deficit, what surface forces lack of its pull, at the ends of every piece of the contour.
+//! The balance of tension: its deficit, what surface forces lack of its pull, at the ends of every piece of the contour. (Neither the
+//! paper nor method.md has the factor f.)
 //!
 //! Ghosts push with the Laplace pressure P on A = 2 V bw, the part of a particle's surroundings that is
 //! empty, and the tangential pressure adds -V (I - L) grad_s P (method.md, section 10, T). Both together are the

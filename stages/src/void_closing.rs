@@ -27,6 +27,8 @@ const RATE: f64 = 3.0;
 /// from look to look, and with small drops of few particles 3/t_c is as fast as that.
 const MOST: f64 = 0.3;
 
+/// Closing of voids, which neither the paper nor method.md has:
+///
 /// eps += RATE/t_c e, where the void fraction e = 1 - sum_b V_b W_b is the part of a particle's surroundings that
 /// particles leave empty, with the flat kernel W = 3/(pi H^2) (1 - q^2)^2, whose sum hardly feels how the particles lie
 /// that fill it.

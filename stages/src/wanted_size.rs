@@ -29,6 +29,8 @@ const FALL: f64 = 1.15;
 /// A place on the surface counts as no nearer to the axis than so many particle sizes.
 const NEAREST: f64 = 0.5;
 
+/// Sizes for thin threads, which neither the paper nor method.md has.
+///
 /// A thread that thins to a few particle sizes has a peak of pressure beside its waist which is narrower than their supports, so
 /// it tears too slowly (`cases/rayleigh-plateau-jet`). There particles are to have the areas
 ///
