@@ -69,7 +69,7 @@ fn derived_columns_are_written_before_they_are_read() {
         drops::scene(COLLISION, &[]),
         drops::drop(&["amplitude=0.5", "liquid.viscosity=1 mPa s", "method.precision=mixed"]),
         drops::scene(SPHEROID, &["particle_size=\"0.08 m\""]),
-        drops::scene(NOH, &["particle_size=\"0.05 m\""]),
+        drops::scene(NOH, &["particle_size=\"0.02 m\""]),
     ];
     for scene in &scenes {
         let (mut kept, mut poisoned) = (drops::start(scene), drops::start(scene));
