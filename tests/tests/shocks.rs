@@ -50,7 +50,7 @@ fn density_between(simulation: &Simulation, [low, high]: [f64; 2]) -> f64 {
 fn a_gas_without_heat_starts_with_any_flux() {
     for flux in ["first-order", "reconstructed"] {
         let flux = format!("method.flux={flux}");
-        let scene = drops::scene(NOH, &["size=\"0.1 m\"", "method.time_integration=adams-bashforth", &flux]);
+        let scene = drops::scene(NOH, &["method.time_integration=adams-bashforth", &flux]);
         drops::advance(&mut drops::start(&scene), 50);
     }
 }
