@@ -36,7 +36,7 @@ impl<'a> Part<'a> {
 
 /// A type that a column can hold.
 pub trait Element: Copy + Default + Send + Sync + fmt::Debug + 'static {
-    /// Wraps an empty-typed vector as column storage.
+    /// A column's values of this type.
     fn into_values(values: Vec<Self>) -> Values
     where
         Self: Sized;

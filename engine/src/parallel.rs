@@ -43,27 +43,6 @@ impl<S: Split> Split for Option<S> {
     }
 }
 
-impl<S: Split, const N: usize> Split for arrayvec::ArrayVec<S, N> {
-    fn split(self, at: usize) -> (Self, Self) {
-        self.into_iter().map(|part| part.split(at)).unzip_arrays()
-    }
-}
-
-trait UnzipArrays<S, const N: usize> {
-    fn unzip_arrays(self) -> (arrayvec::ArrayVec<S, N>, arrayvec::ArrayVec<S, N>);
-}
-
-impl<S, I: Iterator<Item = (S, S)>, const N: usize> UnzipArrays<S, N> for I {
-    fn unzip_arrays(self) -> (arrayvec::ArrayVec<S, N>, arrayvec::ArrayVec<S, N>) {
-        let mut parts = (arrayvec::ArrayVec::new(), arrayvec::ArrayVec::new());
-        for (left, right) in self {
-            parts.0.push(left);
-            parts.1.push(right);
-        }
-        parts
-    }
-}
-
 macro_rules! split_tuple {
     ($($name:ident),+) => {
         impl<$($name: Split),+> Split for ($($name,)+) {
@@ -80,10 +59,6 @@ split_tuple!(A);
 split_tuple!(A, B);
 split_tuple!(A, B, C);
 split_tuple!(A, B, C, D);
-split_tuple!(A, B, C, D, E);
-split_tuple!(A, B, C, D, E, F);
-split_tuple!(A, B, C, D, E, F, G);
-split_tuple!(A, B, C, D, E, F, G, H);
 
 /// Calls `body(start, columns)` for every chunk of `0..len`, `columns` cut to that chunk.
 pub fn for_chunks<S, F>(len: usize, columns: S, body: F)
