@@ -186,7 +186,7 @@ impl CurvatureColour {
         columns.clear((order == world.neighbours.builds()).then_some(&set[..]));
         for (k, &i) in self.boundary.iter().enumerate() {
             let Found { curvature, tangent, offset } = self.found[k];
-            let bump = if curvature == 0.0 { 0.0 } else { self.found[k].bump(size(i)) };
+            let bump = if self.found[k].tells_pressure() { self.found[k].bump(size(i)) } else { 0.0 };
             let pressure = self.settings.tension.surface_tension * (curvature + bump);
             columns.set(i, &AtSurface { pressure, slope: self.slopes[k], tangent, offset });
         }
@@ -219,7 +219,7 @@ impl CurvatureColour {
         let smallest = {
             let packed = PackedState(&world.rows);
             let with_surface =
-                self.boundary.iter().zip(&self.found).filter(|(_, found)| found.curvature != 0.0);
+                self.boundary.iter().zip(&self.found).filter(|(_, found)| found.tells_pressure());
             with_surface.map(|(&i, _)| packed.size(i as usize)).fold(self.packing.largest_size, f64::min)
         };
         self.settings.tension.note(&mut world.clock, smallest);
@@ -229,7 +229,7 @@ impl CurvatureColour {
     /// along the surface.
     fn beside(&self, [r, z]: [f64; 2], size: f64) -> AtSurface {
         let near = &self.neighbours;
-        let is_known = |member: usize| self.found[near.source(member)].is_surface();
+        let is_known = |member: usize| self.found[near.source(member)].tells_pressure();
         let Some((member, way)) = near.nearest([r, z], 3.0 * self.packing.largest_size, is_known) else {
             return Default::default();
         };
@@ -264,9 +264,9 @@ impl CurvatureColour {
             let own = packed.size(boundary[k] as usize).min(largest);
             let there = |member: u32| {
                 let other = near.source(member as usize);
-                // Where no surface was found no pressure is known, not a vanishing one.
-                let is_known = found[other].is_surface();
-                is_known.then(|| (packed.area(boundary[other] as usize), tension * found[other].curvature))
+                found[other]
+                    .tells_pressure()
+                    .then(|| (packed.area(boundary[other] as usize), tension * found[other].curvature))
             };
             near.slope(k, tension * found[k].curvature, [3.0 * own, own], found[k].tangent, there)
         };

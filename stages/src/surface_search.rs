@@ -15,9 +15,9 @@ pub(crate) struct Found {
 }
 
 impl Found {
-    /// Whether there is a surface.
-    pub fn is_surface(&self) -> bool {
-        self.tangent != [0.0; 2]
+    /// Whether it tells a Laplace pressure: where no surface was found none is known, and spray has none.
+    pub fn tells_pressure(&self) -> bool {
+        self.curvature != 0.0
     }
 
     /// Curvature (1/m) of a particle of the given size (m) that juts out: it lies outside of the surface that was
