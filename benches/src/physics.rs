@@ -143,7 +143,6 @@ mod tests {
                 &[
                     "tension-balance",
                     "tangential-pressure",
-                    "strain-correction",
                     "void-closing",
                     "reference-pressure",
                     "wanted-size",

@@ -1,10 +1,11 @@
-//! The reference pressure of every drop: a constant pressure that does not act on the packing's disorder.
+//! The reference pressure of every drop: a constant pressure that does not act on the packing's disorder, but does its work.
 
 use crate::drops::{INTERVAL, count};
 use crate::fields;
 use crate::rows::PackedState;
+use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
 use meniscus_engine::pipeline::{Fault, Stage, World};
-use meniscus_engine::store::{Read, Update};
+use meniscus_engine::store::{Add, Read, Update};
 use meniscus_engine::wiring::Wiring;
 
 /// The number of the clock that is the first drop's reference, Pa. Columns hold the others' less that: where there is
@@ -81,5 +82,44 @@ impl Stage for ReferencePressure {
         }
         world.clock.set_number(FIRST_REFERENCE, first);
         Ok(())
+    }
+}
+
+/// rho dE/dt += -P_ref d eps/dt, the work of the reference pressure in scenes that solve for the total energy. Contacts and
+/// ghosts lack it, whose pressures are those less the reference: with the harmonic-mean weights, the ghost's weight bw
+/// (equation (23)) and its velocity U*, a constant pressure P_ref gives a particle the power P_ref (2 U . bw - d eps/dt) by
+/// its contacts, of whose first part only the force is left out, that of the packing's disorder, or its ghost's takes
+/// it back (equations (16), (18) and (26)).
+pub struct ReferenceWork {
+    reference: Read<f64>,
+    strain_rate: Read<f64>,
+    power: Add<f64>,
+}
+
+impl ReferenceWork {
+    /// Adds to the power.
+    pub fn new(wiring: &mut Wiring) -> Self {
+        wiring.stage("reference-work");
+        ReferenceWork {
+            reference: wiring.read(&fields::REFERENCE_PRESSURE),
+            strain_rate: wiring.read(&fields::STRAIN_RATE),
+            power: wiring.add(&fields::POWER),
+        }
+    }
+}
+
+impl ChunkStage for ReferenceWork {
+    fn name(&self) -> &'static str {
+        "reference-work"
+    }
+
+    fn chunk(&self, around: &Around, chunk: &Chunk) -> Partial {
+        let first = around.clock.number(FIRST_REFERENCE);
+        let (reference, strain_rate) = (chunk.read(self.reference), chunk.read(self.strain_rate));
+        let mut power = chunk.write(self.power);
+        for ((power, reference), strain_rate) in power.iter_mut().zip(&*reference).zip(&*strain_rate) {
+            *power -= (first + reference) * strain_rate;
+        }
+        [0.0; 2]
     }
 }

@@ -19,13 +19,13 @@ use meniscus_stages::initial_pressure::InitialPressure;
 use meniscus_stages::integrate::{self, Integrate};
 use meniscus_stages::kernel_correction::KernelCorrection;
 use meniscus_stages::liquids::EquationOfState;
-use meniscus_stages::reference_pressure;
+use meniscus_stages::reference_pressure::{self, ReferenceWork};
 use meniscus_stages::shifting::{Shifting, Strength};
 use meniscus_stages::size_evening::SizeEvening;
 use meniscus_stages::sort_bin::{ListCheck, SortBin};
 use meniscus_stages::split_and_merge::SplitAndMerge;
-use meniscus_stages::surface_corrections::{StrainCorrection, TangentialPressure};
 use meniscus_stages::surface_interval::Tension;
+use meniscus_stages::tangential_pressure::TangentialPressure;
 use meniscus_stages::tension_balance::TensionBalance;
 use meniscus_stages::time_step::{Courant, TimeStep};
 use meniscus_stages::velocity_gradient::VelocityGradient;
@@ -144,8 +144,8 @@ impl Builder<'_> {
     }
 
     fn velocity_gradient(&mut self) -> AnyStage {
-        let with_rotation = self.with_carrying();
-        AnyStage::chunks(VelocityGradient::new(&mut self.wiring, with_rotation))
+        let (with_strain, with_rotation) = (self.corrects_strain(), self.with_carrying());
+        AnyStage::chunks(VelocityGradient::new(&mut self.wiring, with_strain, with_rotation))
     }
 
     fn incomplete_support(&mut self) -> AnyStage {
@@ -228,10 +228,6 @@ impl Builder<'_> {
             let with_energy = self.with_energy();
             stages.push(AnyStage::chunks(TangentialPressure::new(&mut self.wiring, with_energy)));
         }
-        let reasons = ("the pair sum of the strain is short at the surface", "not asked for, or no tension");
-        if self.plan("strain-correction", self.corrects_strain(), reasons) {
-            stages.push(AnyStage::chunks(StrainCorrection::new(&mut self.wiring)));
-        }
         let reasons = ("less the reference low pressures are a tension, which opens gaps", "no reference");
         if self.plan("void-closing", self.with_reference(), reasons) {
             let rate = self.physics.capillary_rate;
@@ -241,6 +237,11 @@ impl Builder<'_> {
 
     /// What moves the particles.
     fn motion(&mut self, stages: &mut Stages) {
+        let reasons =
+            ("contacts and ghosts work by what exceeds the reference", "no reference, or no energy");
+        if self.plan("reference-work", self.with_reference() && self.with_energy(), reasons) {
+            stages.push(AnyStage::chunks(ReferenceWork::new(&mut self.wiring)));
+        }
         self.plan("time-step", true, ("the longest that is stable for every particle", ""));
         stages.push(self.time_step());
         let reasons = ("a constant pressure must not act on the packing's disorder", "not asked for");

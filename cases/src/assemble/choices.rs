@@ -111,8 +111,10 @@ impl Builder<'_> {
         }
     }
 
+    /// Under surface tension for its own sake, elsewhere where the gradient is known all the same.
     pub(super) fn corrects_strain(&self) -> bool {
-        self.with_tension() && self.physics.method.strain_correction
+        let asks_for_gradient = self.with_tension() || self.reconstructs() || self.with_viscosity();
+        self.physics.method.strain_correction && asks_for_gradient
     }
 
     pub(super) fn colour_curvature(&self) -> bool {

@@ -1,5 +1,5 @@
-//! Two corrections of the surface layer, where a particle's neighbourhood is incomplete
-//! (method.md, section 10, "The surface error, later").
+//! The tangential pressure: what the surface layer lacks of the Laplace pressure's gradient, where a particle's neighbourhood is
+//! incomplete (method.md, section 10, "The surface error, later").
 
 use crate::fields;
 use crate::moment::Moment;
@@ -9,9 +9,6 @@ use crate::work::Work;
 use meniscus_engine::group::{Around, Chunk, ChunkStage, Partial};
 use meniscus_engine::store::{Add, Read};
 use meniscus_engine::wiring::Wiring;
-
-/// Below this smallest eigenvalue of L its inverse is not used.
-pub const INVERTIBLE: f64 = 0.2;
 
 /// T: one ghost carries no gradient of the Laplace pressure along the surface. The missing force is
 /// -(I - L) grad_s P_L.
@@ -66,44 +63,6 @@ impl ChunkStage for TangentialPressure {
             if let Some(work) = &mut work {
                 work.add(i, force, 0.0);
             }
-        });
-        [0.0; 2]
-    }
-}
-
-/// S: the pair sum of the strain rate is short at the surface by tr(T L^{-1}) - tr(T), which is G : (I - L) with the
-/// velocity gradient G = T L^{-1}. (L is symmetric: of G only the rate of deformation counts.)
-pub struct StrainCorrection {
-    surface: Read<u32>,
-    deficiency: [Read<f64>; 3],
-    deformation: [Read<f64>; 3],
-    strain_rate: Add<f64>,
-}
-
-impl StrainCorrection {
-    /// Adds to the strain rate.
-    pub fn new(wiring: &mut Wiring) -> Self {
-        wiring.stage("strain-correction");
-        StrainCorrection {
-            surface: wiring.read(&fields::SURFACE),
-            deficiency: fields::SUPPORT_DEFICIENCY.map(|field| wiring.read(field)),
-            deformation: fields::DEFORMATION.map(|field| wiring.read(field)),
-            strain_rate: wiring.add(&fields::STRAIN_RATE),
-        }
-    }
-}
-
-impl ChunkStage for StrainCorrection {
-    fn name(&self) -> &'static str {
-        "strain-correction"
-    }
-
-    fn chunk(&self, _: &Around, chunk: &Chunk) -> Partial {
-        let deficiency = self.deficiency.map(|field| chunk.read(field));
-        let deformation = self.deformation.map(|field| chunk.read(field));
-        let mut strain_rate = chunk.write(self.strain_rate);
-        for_surface(&chunk.read(self.surface), |i| {
-            strain_rate[i] += (0..3).map(|c| deformation[c][i] * deficiency[c][i]).sum::<f64>();
         });
         [0.0; 2]
     }
