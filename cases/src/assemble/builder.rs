@@ -276,6 +276,10 @@ impl Builder<'_> {
                 Equation::IdealGas(equation) => self.initial_pressure(equation),
             });
         }
+        if self.with_drops() {
+            // What is observed of the start asks for them.
+            stages.push(AnyStage::whole(Drops::new(&mut self.wiring, self.packing)));
+        }
         stages
     }
 

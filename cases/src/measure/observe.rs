@@ -10,7 +10,9 @@ use crate::scene::{Liquid, Measure, Scene};
 use crate::simulation::Simulation;
 use meniscus_engine::field::Field;
 use meniscus_engine::lanes::{Lanes, WIDTH};
+use meniscus_engine::parallel;
 use meniscus_stages::fields;
+use std::f64::consts::PI;
 use std::ops::Range;
 
 /// Name and SI unit of what is observed.
@@ -34,6 +36,8 @@ pub struct Observer {
 
 /// Part of the drop's radius within which its pressure is measured, away from the surface's particles.
 const CORE: f64 = 0.7;
+/// Part of its volume by which a drop may differ from the sphere about which it oscillates.
+const ALIKE: f64 = 0.5;
 
 const GENERAL: [(&str, &str); 12] = [
     ("time", "s"),
@@ -59,6 +63,8 @@ pub(super) struct Particles<'a> {
     pub(super) velocity: [&'a [f64]; 2],
     /// Specific kinetic and internal energy, where the pressure depends on it.
     energy: Option<&'a [f64]>,
+    /// Numbers of the drops that they belong to, where these are told apart.
+    drop: Option<&'a [u32]>,
     /// Points of the surface, r and z in m, where something tells of them.
     pub(super) surface: Option<(Vec<f64>, Vec<f64>)>,
 }
@@ -68,6 +74,40 @@ impl Particles<'_> {
     pub(super) fn internal_energy(&self, i: usize) -> f64 {
         let [u, w] = self.velocity.map(|velocity| velocity[i]);
         self.energy.map_or(0.0, |energy| energy[i] - 0.5 * (u * u + w * w))
+    }
+
+    /// Number of the drop that a particle belongs to.
+    fn drop_of(&self, i: usize) -> usize {
+        self.drop.map_or(0, |drop| drop[i] as usize)
+    }
+
+    /// The masses of eight particles, none for those of other drops.
+    fn masses_of(&self, drop: usize, eight: Range<usize>) -> Lanes {
+        let mut masses = [0.0; WIDTH];
+        let of = |i| if self.drop_of(i) == drop { self.mass[i] } else { 0.0 };
+        eight.zip(&mut masses).for_each(|(i, mass)| *mass = of(i));
+        Lanes::load(&masses)
+    }
+
+    /// Mass, axial momentum and volume of each drop.
+    fn drops(&self) -> Vec<[f64; 3]> {
+        let count =
+            self.drop.map_or(1, |drop| drop.iter().fold(0, |most, drop| most.max(*drop)) as usize + 1);
+        let body = |start: usize, (), len: usize| {
+            let mut drops = vec![[0.0; 3]; count];
+            for i in start..start + len {
+                let [mass, momentum, volume] = &mut drops[self.drop_of(i)];
+                *mass += self.mass[i];
+                *momentum += self.mass[i] * self.velocity[1][i];
+                *volume += self.mass[i] / self.density[i];
+            }
+            drops
+        };
+        let add = |mut one: Vec<[f64; 3]>, other: Vec<[f64; 3]>| {
+            one.iter_mut().flatten().zip(other.iter().flatten()).for_each(|(sum, more)| *sum += more);
+            one
+        };
+        parallel::fold_chunks(self.mass.len(), (), &body, &add)
     }
 }
 
@@ -109,6 +149,7 @@ impl Observer {
         let velocity = (column(&fields::VELOCITY_R), column(&fields::VELOCITY_Z));
         let velocity: [&[f64]; 2] = [&velocity.0, &velocity.1];
         let energy = store.by_name::<f64>(fields::TOTAL_ENERGY.description.name);
+        let drop = store.by_name::<u32>(fields::DROP.description.name);
         let particles = Particles {
             r: &r,
             z: &z,
@@ -116,6 +157,7 @@ impl Observer {
             density: &density,
             velocity,
             energy: energy.as_deref(),
+            drop: drop.as_deref(),
             surface: free_surface::feet(store),
         };
         let clock = &simulation.world.clock;
@@ -170,17 +212,30 @@ impl Observer {
         Lanes::splat(self.physics.sound_speed.powi(2)) * compression_integral(excess)
     }
 
-    /// The axial centre of mass of what lies within `reach` of a point of the axis: a drop may drift,
-    /// and its shape is measured about where it is.
-    fn centre_of_mass(&self, particles: &Particles, centre: f64, reach: f64) -> f64 {
-        let square = Lanes::splat(reach * reach);
-        let (sum, mass) = mass_sum(particles.r.len(), |eight| {
-            let [r, z] = self.place(particles, eight.clone(), centre);
-            let mass = Lanes::load_or(&particles.mass[eight.clone()], 0.0);
-            let near = square.select_greater(r.mul_add(r, z * z), mass, Lanes::ZERO);
-            [Lanes::load_or(&particles.z[eight], 0.0), near]
+    /// The drop of about the volume of a sphere that has come from near a centre, by its number, and its axial centre of
+    /// mass. What nothing pushes flies straight, so its velocity tells where it was at the start: nothing has to be
+    /// remembered, and a resumed run finds the same.
+    fn drop_from(&self, particles: &Particles, radius: f64, centre: f64, time: f64) -> Option<(usize, f64)> {
+        let sphere = 4.0 / 3.0 * PI * radius.powi(3);
+        let drops = particles.drops().into_iter().enumerate();
+        let alike = drops.filter(|(_, [_, _, volume])| (volume / sphere - 1.0).abs() < ALIKE);
+        let found = alike.map(|(number, [mass, momentum, _])| {
+            let expected = centre + momentum / mass * time;
+            let (sum, mass) = mass_sum(particles.z.len(), |eight| {
+                let [_, z] = self.place(particles, eight.clone(), expected);
+                [self.nearest(z), particles.masses_of(number, eight)]
+            });
+            (number, expected, sum / mass)
         });
-        if mass > 0.0 { sum / mass } else { centre }
+        let near = found.filter(|(_, _, away)| away.abs() < 2.0 * radius);
+        let nearest = near.min_by(|one, other| one.2.abs().total_cmp(&other.2.abs()));
+        nearest.map(|(number, expected, away)| (number, expected + away))
+    }
+
+    /// Heights above a place by the nearest image, where z has a period.
+    fn nearest(&self, z: Lanes) -> Lanes {
+        let Some((_, length)) = self.physics.domain.period else { return z };
+        Lanes::load(&z.to_array().map(|z| z - length * (z / length).round()))
     }
 
     /// Distances from the axis, and along it from a centre, of eight particles, m.
@@ -209,11 +264,13 @@ impl Observer {
                 vec![sum / mass]
             }
             Measure::Oscillation { mode, radius, centre, .. } => {
-                let centre = self.centre_of_mass(particles, centre, 2.0 * radius);
+                let Some((drop, centre)) = self.drop_from(particles, radius, centre, time) else {
+                    return vec![f64::NAN];
+                };
                 let (sum, mass) = mass_sum(all.len(), |eight| {
-                    let place = self.place(particles, eight.clone(), centre);
-                    let place = place.map(|length| length * Lanes::splat(1.0 / radius));
-                    [solid_harmonic(mode, place), Lanes::load_or(&particles.mass[eight], 0.0)]
+                    let [r, z] = self.place(particles, eight.clone(), centre);
+                    let place = [r, self.nearest(z)].map(|length| length * Lanes::splat(1.0 / radius));
+                    [solid_harmonic(mode, place), particles.masses_of(drop, eight)]
                 });
                 vec![sum / mass]
             }
@@ -275,7 +332,57 @@ fn solid_harmonic(degree: u32, [r, z]: [Lanes; 2]) -> Lanes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::legendre;
+    use crate::scene::{legendre, parse};
+    use meniscus_engine::pipeline::World;
+
+    /// The amplitude of a drop of 1 mm radius, elongated a tenth, in a scene with more to it: at the start, and when it has
+    /// flown for 50 ms.
+    fn amplitudes(more: &str, centre: &str, velocity: f64) -> [f64; 2] {
+        let text = format!(
+            "format = 1\n[liquid]\ndensity = \"1000 kg/m3\"\nsurface_tension = \"72 mN/m\"\n[[body]]\n\
+             shape = {{ spheroid = {{ radial = \"0.95 mm\", axial = \"1.108 mm\" }} }}\n\
+             velocity = {{ z = \"{velocity} m/s\" }}\n{more}\n[particles]\nsize = \"0.15 mm\"\n[run]\nuntil = \"15 ms\"\n\
+             [[measure]]\noscillation = {{ mode = 2, radius = \"1 mm\", centre = \"{centre}\" }}\n"
+        );
+        let scene = parse("drop.toml", &text, &[]).unwrap();
+        let mut simulation = Simulation::new(&scene, &mut |_| {}).unwrap();
+        let observer = Observer::new(&scene, &simulation);
+        let column =
+            observer.quantities().iter().position(|quantity| quantity.name == "mode amplitude").unwrap();
+        let start = observer.observe(&simulation)[column];
+        let World { store, clock, .. } = &mut simulation.world;
+        clock.time = 0.05;
+        let flown: Vec<f64> = store.by_name::<f64>(fields::VELOCITY_Z.description.name).unwrap().to_vec();
+        let z = store.by_name_mut::<f64>(fields::AXIAL.description.name).unwrap();
+        let wrap = |z: f64| {
+            simulation.physics.domain.period.map_or(z, |(low, length)| low + (z - low).rem_euclid(length))
+        };
+        z.iter_mut().zip(flown).for_each(|(z, velocity)| *z = wrap(*z + 0.05 * velocity));
+        [start, observer.observe(&simulation)[column]]
+    }
+
+    #[test]
+    fn a_drop_is_followed_whatever_else_there_is() {
+        let second = |velocity: &str| {
+            let sphere = "shape = { sphere = { radius = \"1.1 mm\", centre = \"4 mm\" } }";
+            format!("[[body]]\n{sphere}\nvelocity = {{ z = \"{velocity} m/s\" }}")
+        };
+        let periodic = "[domain]\nperiod = \"5 mm\"";
+        for (rest, more, velocity) in [
+            ("", String::new(), 0.1),
+            (periodic, periodic.to_owned(), 0.08),
+            ("", second("0"), 0.0),
+            ("", second("-0.1"), -0.1),
+            ("", second("0.3"), 0.1),
+        ] {
+            let [alone, _] = amplitudes(rest, "0 mm", 0.0);
+            assert!(alone > 0.05, "{alone}");
+            for amplitude in amplitudes(&more, "0.2 mm", velocity) {
+                assert!((amplitude / alone - 1.0).abs() < 1e-9, "{more} {velocity}: {amplitude} {alone}");
+            }
+        }
+        assert!(amplitudes("", "8 mm", 0.0).iter().all(|amplitude| amplitude.is_nan()));
+    }
 
     #[test]
     fn compression_stores_the_same_by_the_series_and_by_the_logarithm() {
