@@ -60,11 +60,16 @@ pub(super) fn check(scene: &Scene, places: &Places<'_>) -> Result<Vec<Fault>, Fa
     }
     for (index, first) in scene.bodies.iter().enumerate() {
         for (second, place) in scene.bodies.iter().zip(places.shapes).skip(index + 1) {
-            if let Some([r, z]) = common_point(first, second) {
-                let message = format!("this body overlaps another one at r = {r:.3e} m, z = {z:.3e} m");
-                return Err(
-                    place.fault(message, "move the bodies apart, or make them one body with a `union`")
-                );
+            for shift in shifts(scene, first, second) {
+                if let Some([r, z]) = common_point(first, second, shift) {
+                    let across = if shift == 0.0 { "" } else { ", across the period" };
+                    let place_of = format!("at r = {r:.3e} m, z = {z:.3e} m{across}");
+                    let help = match shift == 0.0 {
+                        true => "move the bodies apart, or make them one body with a `union`",
+                        false => "move the bodies apart, or choose a longer `period` in [domain]",
+                    };
+                    return Err(place.fault(format!("this body overlaps another one {place_of}"), help));
+                }
             }
         }
     }
@@ -167,17 +172,25 @@ fn check_period_support(scene: &Scene, place: Option<&Entry<'_>>) -> Result<(), 
     Err(place.fault(message, help))
 }
 
-/// A point inside both bodies, if a line of the grid finds one.
-fn common_point(first: &Body, second: &Body) -> Option<[f64; 2]> {
+/// How much higher the images of a second body stand that can overlap a first one.
+fn shifts(scene: &Scene, first: &Body, second: &Body) -> Vec<f64> {
+    let Some(period) = scene.domain.period else { return vec![0.0] };
+    // Neither is higher than a period.
+    let below = ((first.shape.bounds()[2] - second.shape.bounds()[2]) / period).floor();
+    vec![below * period, (below + 1.0) * period]
+}
+
+/// A point inside both bodies, the second one so much higher, if a line of the grid finds one.
+fn common_point(first: &Body, second: &Body, shift: f64) -> Option<[f64; 2]> {
     let ([_, _, low, high], [_, _, other_low, other_high]) = (first.shape.bounds(), second.shape.bounds());
-    let (bottom, top) = (low.max(other_low), high.min(other_high));
+    let (bottom, top) = (low.max(other_low + shift), high.min(other_high + shift));
     let least = 1e-9 * first.shape.smallest_extent().min(second.shape.smallest_extent());
     if top - bottom <= least {
         return None;
     }
     (0..LINES).find_map(|line| {
         let z = bottom + (top - bottom) * (line as f64 + 0.5) / LINES as f64;
-        let common = first.shape.chords(z).intersection(&second.shape.chords(z));
+        let common = first.shape.chords(z).intersection(&second.shape.chords(z - shift));
         common.iter().find(|[low, high]| high - low > least).map(|[low, high]| [0.5 * (low + high), z])
     })
 }

@@ -85,6 +85,17 @@ fn fields_are_finite_and_bodies_apart() {
     assert_eq!(super::read(&changed("[particles]", &touching)).bodies.len(), 2);
     let periodic = changed("[particles]", "[domain]\nperiod = \"4 um\"\n[particles]");
     mistake(&periodic, &[], &["more than the period of 4e-6 m"]);
+    // What lies above the first period comes in again from below.
+    let cylinder = |period: &str, [bottom, top]: [i32; 2]| {
+        let shape =
+            format!("{{ cylinder = {{ radius = \"1 um\", bottom = \"{bottom} um\", top = \"{top} um\" }} }}");
+        let body = format!("[domain]\nperiod = \"{period}\"\n[[body]]\nshape = {shape}\n[particles]");
+        changed("[particles]", &body)
+    };
+    for ends in [[3, 9], [24, 30], [-18, -12]] {
+        mistake(&cylinder("7 um", ends), &[], &["across the period", "a longer `period`"]);
+    }
+    assert_eq!(super::read(&cylinder("7 um", [3, 4])).bodies.len(), 2);
 }
 
 /// A particle has one image to either side: with supports of 15 and 20 particle sizes in a period of 10 a cylinder's Laplace
