@@ -9,6 +9,7 @@ use super::{Body, EquationOfState, FOLLOWING, Flux, Measure, Scene, TimeIntegrat
 use crate::assemble::{Physics, assemble};
 use crate::packing::MOST_PARTICLES;
 use crate::region::Region;
+use std::f64::consts::PI;
 
 /// Where the parts stand that may be to blame.
 pub(super) struct Places<'a> {
@@ -45,6 +46,9 @@ const ROUNDING: f64 = 0.9999;
 
 /// Shortest period over the widest support at the start: particles grow, and their supports with them.
 const PERIOD_SUPPORTS: f64 = 1.5;
+
+/// How far the number of a jet's waves in a period may be from a whole one.
+const WHOLE_WAVES: f64 = 1e-3;
 
 /// Heights at which two bodies are compared.
 const LINES: usize = 256;
@@ -202,16 +206,58 @@ fn check_measures(scene: &Scene, places: &[Entry<'_>]) -> Result<(), Fault> {
             let message = "this measure is about motion that surface tension drives, and there is none";
             return Err(place.fault(message, "give [liquid] a surface_tension, or leave the measure out"));
         }
-        if let Measure::Oscillation { from, .. } = *measure
-            && from >= scene.until
-        {
-            let (from, until) = (Short(from), Short(scene.until));
-            let message =
-                format!("the oscillation is to be fitted from {from} s on, but the run ends at {until} s");
-            return Err(place.fault(message, "choose an earlier `from`, or a later `until` in [run]"));
+        if let Some((message, help)) = never_told(scene, measure) {
+            return Err(place.fault(message, help));
         }
     }
     Ok(())
+}
+
+/// Why a measure can't be told of a scene, and what to do.
+fn never_told(scene: &Scene, measure: &Measure) -> Option<(String, &'static str)> {
+    let period = scene.domain.period;
+    let is_gas = matches!(scene.liquid.equation_of_state, EquationOfState::IdealGas { .. });
+    let (message, help) = match *measure {
+        Measure::Oscillation { from, .. } if from >= scene.until => {
+            let (from, until) = (Short(from), Short(scene.until));
+            let message =
+                format!("the oscillation is to be fitted from {from} s on, but the run ends at {until} s");
+            return Some((message, "choose an earlier `from`, or a later `until` in [run]"));
+        }
+        Measure::GrowthRate { wavenumber, radius } => {
+            if wavenumber >= 1.0 {
+                let message = format!("a wave of the wavenumber {} does not grow", Short(wavenumber));
+                return Some((
+                    message,
+                    "choose a `wavenumber` below 1: a wave longer than the jet's circumference",
+                ));
+            }
+            let waves = wavenumber * period? / (2.0 * PI * radius);
+            if waves > 0.5 && (waves - waves.round()).abs() < WHOLE_WAVES {
+                return None;
+            }
+            let message = format!("{} waves fit into the period of {} m", Short(waves), Short(period?));
+            return Some((message, "make it a whole number: `wavenumber` times period/(2 pi radius)"));
+        }
+        Measure::EnergyDrift if scene.fastest_initial_speed() == 0.0 => (
+            "`energy-drift` is relative to the kinetic energy at the start, and nothing moves then",
+            "take `energy-gain`, or give a body a velocity",
+        ),
+        Measure::PinchOff { .. } if period.is_none() => (
+            "`pinch-off` is about the thread of an endless jet, and this scene has no period",
+            "give [domain] the period of the jet's wave",
+        ),
+        Measure::PlateauDensity { .. } if !is_gas => (
+            "`plateau-density` is about the shock in a gas",
+            "choose equation_of_state = \"ideal-gas\" in [liquid]",
+        ),
+        Measure::PlateauDensity { dimensions: 2, .. } if period.is_none() => (
+            "`plateau-density` of a cylinder is that of an endless one, and this scene has no period",
+            "give [domain] a period, the cylinder's height",
+        ),
+        _ => return None,
+    };
+    Some((message.to_owned(), help))
 }
 
 fn check_sound_speed(scene: &Scene, place: &Entry<'_>) -> Result<Vec<Fault>, Fault> {

@@ -41,6 +41,28 @@ fn a_measure_that_cannot_apply_is_refused() {
     mistake(EXAMPLE, &still, &["surface tension drives, and there is none", "leave the measure out"]);
     let late = changed("mode = \"mode\",", "mode = \"mode\", from = \"1 s\",");
     mistake_at(&late, 41, "[[measure]]", &["fitted from 1 s on, but the run ends at", "an earlier `from`"]);
+    let periodic = "[domain]\nperiod = \"12.566 um\"\n[[measure]]\n";
+    let [still_r, still_z] = ["body.0.velocity.r=0 m/s", "body.0.velocity.z=0 m/s"];
+    for (table, measure, settings, reason) in [
+        (periodic, "growth-rate = { wavenumber = 1.5, radius = \"1 um\" }", &[][..], "does not grow"),
+        (
+            periodic,
+            "growth-rate = { wavenumber = 0.7, radius = \"1 um\" }",
+            &[],
+            "1.4 waves fit into the period",
+        ),
+        ("[[measure]]\n", "energy-drift = {}", &[still_r, still_z], "nothing moves then"),
+        (
+            "[[measure]]\n",
+            "pinch-off = { radius = \"1 um\", wavenumber = 0.5, speed = \"1 m/s\" }",
+            &[],
+            "no period",
+        ),
+        (periodic, "plateau-density = { dimensions = 2, speed = \"1 m/s\" }", &[], "the shock in a gas"),
+    ] {
+        mistake(&format!("{EXAMPLE}{table}{measure}\n"), settings, &[reason]);
+    }
+    super::read(&format!("{EXAMPLE}{periodic}growth-rate = {{ wavenumber = 0.5, radius = \"1 um\" }}\n"));
 }
 
 #[test]
