@@ -97,16 +97,19 @@ pub(super) fn evaluate(history: &History, column: &str, liquid: &Liquid, bridge:
     // While the bridge opens, surface only disappears.
     let surface = history.of("surface energy");
     let rise = surface.get(..end).and_then(largest_rise).zip(surface.first());
-    let mut outcomes = vec![
-        Outcome::of("bridge-exponent".to_owned(), exponent, "1"),
-        Outcome::of("surface-rise".to_owned(), rise.map(|(rise, start)| rise / start), "1").against(0.0),
-        Outcome::of("bridge-prefactor".to_owned(), rate, "1"),
-    ];
-    if exponent.is_none() {
-        let range =
+    let outcome = |name: &str, value| {
+        let why =
             "the bridge is not seen to grow from a quarter to half of the drops' radius; use finer particles";
-        outcomes[0].doubt = Some(format!("there is no `bridge-exponent`: {range}"));
-    } else if let Some([times, radii]) = evenly(&bridge.exact(liquid), range[0], range[1]) {
+        Outcome::of(name.to_owned(), value, "1").lacking(why)
+    };
+    let mut outcomes = vec![
+        outcome("bridge-exponent", exponent),
+        outcome("surface-rise", rise.map(|(rise, start)| rise / start)).against(0.0),
+        outcome("bridge-prefactor", rate),
+    ];
+    if exponent.is_some()
+        && let Some([times, radii]) = evenly(&bridge.exact(liquid), range[0], range[1])
+    {
         outcomes[0].reference = growth_exponent(&times, &radii);
         outcomes[2].reference = prefactor(&times, &radii, liquid, bridge);
     }
@@ -204,7 +207,9 @@ mod tests {
         assert!((outcomes[1].value - 0.05).abs() < 1e-12, "{outcomes:?}");
         assert!((outcomes[2].value - 1.3).abs() < 1e-6, "{outcomes:?}");
         let coarse = evaluate(&history((20..400).map(row)), "radius", &WATER, bridge);
-        assert!(coarse[0].value.is_nan() && coarse[0].doubt.as_ref().unwrap().contains("finer particles"));
+        for outcome in [&coarse[0], &coarse[2]] {
+            assert!(outcome.value.is_nan() && outcome.doubt.as_ref().unwrap().contains("finer particles"));
+        }
     }
 
     #[test]

@@ -8,7 +8,7 @@ use crate::scene::Scene;
 pub(super) fn drift(scene: &Scene, history: &History) -> Outcome {
     let (name, scale) = ("energy-drift".to_owned(), history.of("kinetic energy").first().copied());
     let Some(energy) = energies(scene, history) else { return unknown(name) };
-    let drift = largest_change(&energy).zip(scale.filter(|scale| *scale > 0.0));
+    let drift = largest_change(&energy).zip(scale);
     Outcome::of(name, drift.map(|(change, scale)| change / scale), "1").against(0.0)
 }
 
@@ -38,8 +38,7 @@ pub(super) fn largest_rise(values: &[f64]) -> Option<f64> {
 }
 
 fn unknown(name: String) -> Outcome {
-    let doubt = format!("the energy of the surface is not known: there is no `{name}`");
-    Outcome { doubt: Some(doubt), ..Outcome::of(name, None, "1").against(0.0) }
+    Outcome::of(name, None, "1").against(0.0).lacking("the energy of the surface is not known")
 }
 
 /// Kinetic, internal, surface and potential energy; `None` where surface tension acts on a liquid whose surface is not

@@ -24,7 +24,7 @@ pub struct Outcome {
     pub unit: &'static str,
     /// The exact value, if there is one.
     pub reference: Option<f64>,
-    /// Why there is no value, or none to trust, in a sentence.
+    /// Why there is no value, or none to trust: what a sentence says that begins with the name.
     pub doubt: Option<String>,
 }
 
@@ -36,15 +36,19 @@ impl Outcome {
     }
 
     pub(super) fn of(name: String, value: Option<f64>, unit: &'static str) -> Self {
-        let why = match value {
-            None => Some("the run is too short"),
-            Some(value) if value.is_nan() => {
-                Some("no particles are where it looks; check its places and lengths")
-            }
-            Some(_) => None,
-        };
-        let doubt = why.map(|why| format!("`{name}` cannot be told: {why}"));
-        Outcome { name, value: value.unwrap_or(f64::NAN), unit, reference: None, doubt }
+        let outcome = Outcome { name, value: value.unwrap_or(f64::NAN), unit, reference: None, doubt: None };
+        outcome.lacking(match value {
+            None => "the run is too short",
+            Some(_) => "no particles are where it looks; check its places and lengths",
+        })
+    }
+
+    /// Why there is no value, if there is none.
+    pub(super) fn lacking(mut self, why: &str) -> Self {
+        if self.value.is_nan() {
+            self.doubt = Some(format!("cannot be told: {why}"));
+        }
+        self
     }
 
     pub(super) fn against(mut self, reference: f64) -> Self {
@@ -58,27 +62,26 @@ pub fn evaluate(scene: &Scene, history: &History) -> Vec<Outcome> {
     let outcomes = with_index(&scene.measures).map(|(measure, index)| {
         let columns: Vec<String> = columns_of(measure, index).into_iter().map(|column| column.name).collect();
         let column = columns.first().cloned().unwrap_or_default();
-        match *measure {
+        let mut outcomes = match *measure {
             Measure::LaplacePressure { radius, .. } => {
-                let name = numbered("laplace-pressure", index);
                 let exact = Drop::of(&scene.liquid, radius).laplace_pressure();
                 // One row is no mean over a quarter of a run.
                 let mean = moves(history).then(|| history.mean(&column, 0.75, 1.0));
-                vec![Outcome::of(name, mean.flatten(), "Pa").against(exact)]
+                vec![Outcome::of("laplace-pressure".to_owned(), mean.flatten(), "Pa").against(exact)]
             }
             Measure::SpuriousVelocity { .. } => {
                 let mean = |from, to| moves(history).then(|| history.mean(&column, from, to));
-                let end = numbered("spurious-velocity", index);
-                let start = numbered("spurious-velocity-start", index);
+                let outcome =
+                    |name: &str, value: Option<f64>| Outcome::of(name.to_owned(), value, "1").against(0.0);
                 vec![
-                    Outcome::of(end, mean(0.9, 1.0).flatten(), "1").against(0.0),
-                    Outcome::of(start, mean(0.0, 0.1).flatten(), "1").against(0.0),
+                    outcome("spurious-velocity", mean(0.9, 1.0).flatten()),
+                    outcome("spurious-velocity-start", mean(0.0, 0.1).flatten()),
                 ]
             }
             Measure::Oscillation { mode, radius, from, .. } => {
                 let drop = Drop::of(&scene.liquid, radius);
                 let slower = drop.compressible_frequency_ratio(mode, scene.derived_sound_speed());
-                oscillation(history, &column, (drop.mode(mode), slower, from), |name| numbered(name, index))
+                oscillation(history, &column, (drop.mode(mode), slower, from))
             }
             Measure::GrowthRate { wavenumber, radius } => {
                 let sizes = (wavenumber, radius, scene.particle_size);
@@ -116,7 +119,9 @@ pub fn evaluate(scene: &Scene, history: &History) -> Vec<Outcome> {
             Measure::ShockSpeed { speed, length } => {
                 flow::evaluate_shock(history, &columns, &scene.liquid, (speed, length))
             }
-        }
+        };
+        outcomes.iter_mut().for_each(|outcome| outcome.name = numbered(&outcome.name, index));
+        outcomes
     });
     outcomes.flatten().collect()
 }
@@ -127,16 +132,24 @@ fn oscillation(
     history: &History,
     column: &str,
     (exact, slower, from): (Option<Mode>, f64, f64),
-    name: impl Fn(&str) -> String,
 ) -> Vec<Outcome> {
     let fit = exact.and_then(|exact| oscillation_fit(history, column, exact, from));
     let damping = fit.map(|fit| fit.damping_per_period());
     let residual = fit.map(|fit| fit.residual);
+    let values = history.of(column);
+    let why = match exact {
+        None => "the drop is too viscous to oscillate",
+        Some(_) if values.iter().any(|value| value.is_nan()) => {
+            "no drop of about its radius is there all the time; check `radius` and `centre`"
+        }
+        Some(_) => "the run is too short: it takes a period, observed eight times at least",
+    };
+    let outcome = |name: &str, value, unit| Outcome::of(name.to_owned(), value, unit).lacking(why);
     let mut outcomes = vec![
-        Outcome::of(name("frequency"), fit.map(|fit| fit.frequency()), "Hz"),
-        Outcome::of(name("damping-per-period"), damping, "1"),
-        Outcome::of(name("compressible-frequency"), fit.map(|fit| fit.frequency()), "Hz"),
-        Outcome::of(name("fit-residual"), residual, "1"),
+        outcome("frequency", fit.map(|fit| fit.frequency()), "Hz"),
+        outcome("damping-per-period", damping, "1"),
+        outcome("compressible-frequency", fit.map(|fit| fit.frequency()), "Hz"),
+        outcome("fit-residual", residual, "1"),
     ];
     if let Some(Mode { angular_frequency, decay }) = exact {
         outcomes[0].reference = Some(angular_frequency / (2.0 * PI));
@@ -144,15 +157,10 @@ fn oscillation(
         // Sound slower than the motion leaves no oscillation to compare with.
         outcomes[2].reference =
             Some(slower * angular_frequency / (2.0 * PI)).filter(|exact| exact.is_finite());
-    } else {
-        let sentence = "cannot be told: the drop is too viscous to oscillate";
-        outcomes
-            .iter_mut()
-            .for_each(|outcome| outcome.doubt = Some(format!("`{}` {sentence}", outcome.name)));
     }
     if let Some(residual) = residual.filter(|residual| *residual > POOR_FIT) {
         let sentence = "is doubtful: what the fit of a damped oscillation leaves over is";
-        outcomes[0].doubt = Some(format!("`{}` {sentence} {residual:.2} of the motion", outcomes[0].name));
+        outcomes[0].doubt = Some(format!("{sentence} {residual:.2} of the motion"));
     }
     outcomes
 }
@@ -172,7 +180,8 @@ fn momentum_drift(history: &History) -> Outcome {
     let scale = scales.first().copied().map(|start| if start > 0.0 { start } else { largest });
     let scale = scale.filter(|scale| *scale > 0.0);
     let drift = largest_change(&history.of("momentum z")).zip(scale).map(|(change, scale)| change / scale);
-    Outcome::of("momentum-drift".to_owned(), drift, "1").against(0.0)
+    let outcome = Outcome::of("momentum-drift".to_owned(), drift, "1").against(0.0);
+    if scale.is_none() { outcome.lacking("nothing moves") } else { outcome }
 }
 
 fn moves(history: &History) -> bool {

@@ -112,8 +112,8 @@ pub(super) fn evaluate_plateau(
     let compression = ((ratio + 1.0) / (ratio - 1.0)).powi(dimensions as i32);
     let outcome = |name: &str, column: usize| {
         let last = history.of(&columns[column]).last().copied().filter(|density| *density > 0.0);
-        let outcome = Outcome::of(name.to_owned(), last, "kg/m3");
-        if ratio.is_nan() { outcome } else { outcome.against(liquid.density * compression) }
+        let outcome = Outcome::of(name.to_owned(), last, "kg/m3").against(liquid.density * compression);
+        outcome.lacking("no particles are behind the shock yet, or there is none")
     };
     vec![outcome("plateau-density", 0), outcome("carried-density", 1)]
 }
@@ -134,9 +134,11 @@ pub(super) fn evaluate_shock(
     let pressures = history.of(&columns[1]);
     let plateau = pressures.iter().zip(&stopped).filter(|(_, s)| (0.4 * length..0.8 * length).contains(s));
     let (sum, count) = plateau.fold((0.0, 0.0), |(sum, count), (p, _)| (sum + p, count + 1.0));
-    let mut shock = Outcome::of("shock-speed".to_owned(), measured, "m/s");
-    let pressure = (count > 0.0).then(|| sum / count);
-    let mut plateau = Outcome::of("plateau-pressure".to_owned(), pressure, "Pa");
+    let why =
+        "no shock is seen to go from a fifth to four fifths of a layer's `length`, in 5 outputs at least";
+    let outcome = |name: &str, value, unit| Outcome::of(name.to_owned(), value, unit).lacking(why);
+    let mut shock = outcome("shock-speed", measured, "m/s");
+    let mut plateau = outcome("plateau-pressure", (count > 0.0).then(|| sum / count), "Pa");
     if let (EquationOfState::MieGrueneisen { adiabat_slope, .. }, Some(rest)) =
         (liquid.equation_of_state, liquid.sound_speed)
     {

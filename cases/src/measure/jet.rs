@@ -166,12 +166,24 @@ pub(super) fn evaluate(
 ) -> Vec<Outcome> {
     let times = history.of("time");
     let exact = growth_of_wave(liquid, wavenumber, radius);
+    let amplitudes = amplitude(history, columns);
     let rate = exact.and_then(|exact| {
-        let (times, values) = linear_part(&times, &amplitude(history, columns));
+        let (times, values) = linear_part(&times, &amplitudes);
         growth::fit(&times, &values, exact)
     });
+    let largest = amplitudes.iter().fold(0.0f64, |most, amplitude| most.max(amplitude.abs()));
+    let [least, most] = LINEAR;
+    let why = match amplitudes.first() {
+        Some(first) if first.abs() > most => {
+            format!("the wave is larger than {most} of the radius from the start; start with a smaller one")
+        }
+        _ if largest > most => {
+            format!("the wave is seen fewer than 8 times while it grows from {least} to {most} of the radius")
+        }
+        _ => "the run is too short".to_owned(),
+    };
     let growth = ["growth-rate", "compressible-growth-rate"];
-    let mut growth = growth.map(|name| Outcome::of(name.to_owned(), rate, "1/s"));
+    let mut growth = growth.map(|name| Outcome::of(name.to_owned(), rate, "1/s").lacking(&why));
     if let Some((exact, _)) = exact {
         growth[0].reference = Some(exact);
         let ratio = compressible_growth_ratio(liquid, wavenumber, radius, sound_speed);
@@ -180,15 +192,11 @@ pub(super) fn evaluate(
     let [growth, compressible] = growth;
     let necks = history.of(&columns[2]);
     let torn = times.iter().zip(&necks).find(|(_, neck)| **neck < TORN * particle_size);
-    let mut time = Outcome::of("pinch-off-time".to_owned(), torn.map(|(time, _)| *time), "s");
-    if torn.is_none() {
-        time.doubt = Some("the run ends before the jet breaks: there is no `pinch-off-time`".to_owned());
-    }
+    let time = Outcome::of("pinch-off-time".to_owned(), torn.map(|(time, _)| *time), "s");
+    let time = time.lacking("the run ends before the jet breaks");
     let satellite = history.of(&columns[3]).last().copied().filter(|radius| *radius > 0.0);
-    let mut satellite = Outcome::of("satellite-radius".to_owned(), satellite, "m");
-    if satellite.value.is_nan() {
-        satellite.doubt = Some("there are no two drops at the end: no `satellite-radius`".to_owned());
-    }
+    let satellite = Outcome::of("satellite-radius".to_owned(), satellite, "m");
+    let satellite = satellite.lacking("there are no two drops at the end");
     vec![growth, compressible, time, satellite]
 }
 
@@ -203,4 +211,36 @@ fn linear_part(times: &[f64], values: &[f64]) -> (Vec<f64>, Vec<f64>) {
     let start = values.iter().position(|a| a.abs() >= LINEAR[0]).unwrap_or(values.len());
     let both = times.iter().zip(values).skip(start);
     both.take_while(|(_, a)| a.abs() <= LINEAR[1]).map(|(t, a)| (*t, *a)).unzip()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measure::Quantity;
+    use crate::scene::EquationOfState;
+
+    #[test]
+    fn why_no_growth_is_told() {
+        let liquid = Liquid {
+            density: 1.0,
+            surface_tension: 1.0,
+            viscosity: 0.0,
+            sound_speed: None,
+            equation_of_state: EquationOfState::Linear,
+        };
+        let columns = COLUMNS.map(|(name, _)| name.to_owned());
+        let quantity = |name: &str| Quantity { name: name.to_owned(), unit: "1" };
+        for (start, step, why) in
+            [(0.06, 0.1, "larger than 0.05"), (0.001, 3.0, "fewer than 8 times"), (0.001, 0.01, "too short")]
+        {
+            let mut history = History::new(
+                ["time"].into_iter().chain(COLUMNS.map(|(name, _)| name)).map(quantity).collect(),
+            );
+            for time in (0..20).map(|k| step * f64::from(k)) {
+                history.push(vec![time, start * (0.34 * time).exp(), 0.0, 1.0, 0.0]);
+            }
+            let outcomes = evaluate(&history, &columns, (&liquid, 10.0), (0.628, 1.0, 0.01));
+            assert!(outcomes[0].doubt.as_ref().unwrap().contains(why), "{outcomes:?}");
+        }
+    }
 }

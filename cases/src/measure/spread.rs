@@ -40,16 +40,8 @@ pub(super) fn evaluate(
     }
     let ratio = turned.then_some(largest / radius);
     let wall = (weber / 12.0 + 2.0).sqrt();
-    let mut outcomes = vec![
-        Outcome::of("spread".to_owned(), ratio, "1").against(wall),
-        Outcome::of("spread-merged".to_owned(), ratio, "1").against(wall * 2f64.sqrt()),
-    ];
-    if !turned {
-        outcomes.iter_mut().for_each(|outcome| {
-            outcome.doubt = Some(format!("`{}` cannot be told: the disc still grows", outcome.name));
-        });
-    }
-    outcomes
+    let outcome = |name: &str| Outcome::of(name.to_owned(), ratio, "1").lacking("the disc still grows");
+    vec![outcome("spread").against(wall), outcome("spread-merged").against(wall * 2f64.sqrt())]
 }
 
 #[cfg(test)]

@@ -110,6 +110,10 @@ laplace-pressure = { radius = "2 um" }
 oscillation = { mode = 2, radius = "1 um" }
 [[measure]]
 spurious-velocity = { radius = "1 um" }
+[[measure]]
+energy-gain = {}
+[[measure]]
+energy-gain = {}
 "#;
 
 fn history(rows: &[[f64; 5]]) -> History {
@@ -150,6 +154,7 @@ fn means_are_taken_over_the_right_part() {
     assert!((named("spurious-velocity").value - 0.05).abs() < 1e-9);
     assert!((named("spurious-velocity-start").value - 0.95).abs() < 1e-9);
     assert_eq!(named("spurious-velocity").relative_error(), None);
+    assert_eq!(named("energy-gain-2").doubt, named("energy-gain").doubt);
 }
 
 #[test]

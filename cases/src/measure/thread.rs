@@ -98,18 +98,16 @@ pub(super) fn evaluate(
     let exact = if torn { jet.exact(liquid, reach) } else { Default::default() };
     let measured = torn.then(|| prefactor(&times[start..end_or_all], &values[start..end_or_all], liquid));
     let in_range = evenly(&exact, widest, finest);
+    let outcome = |name: &str, value, unit| {
+        let why = "the run ends before the jet tears, or it is observed fewer than 8 times on its way";
+        Outcome::of(name.to_owned(), value, unit).lacking(why)
+    };
     let mut outcomes = vec![
-        Outcome::of("pinch-off-prefactor".to_owned(), measured.flatten(), "1"),
-        Outcome::of("thread-time".to_owned(), torn.then(|| times[start]), "s"),
+        outcome("pinch-off-prefactor", measured.flatten(), "1"),
+        outcome("thread-time", torn.then(|| times[start]), "s"),
     ];
     outcomes[0].reference = in_range.and_then(|[times, values]| prefactor(&times, &values, liquid));
     outcomes[1].reference = crossing(&exact[0], &exact[1], widest);
-    if !torn {
-        let least = "the run ends before the jet tears, or it is observed fewer than 8 times on its way";
-        for outcome in &mut outcomes {
-            outcome.doubt = Some(format!("there is no `{}`: {least}", outcome.name));
-        }
-    }
     outcomes
 }
 

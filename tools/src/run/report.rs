@@ -30,8 +30,10 @@ pub(super) fn report(
 ) -> Result<Summary, Failure> {
     let history = &recorder.history;
     let outcomes = evaluate(scene, history);
-    for doubt in outcomes.iter().filter_map(|outcome| outcome.doubt.as_ref()) {
-        eprintln!("{doubt}");
+    for outcome in &outcomes {
+        if let Some(doubt) = &outcome.doubt {
+            eprintln!("`{}` {doubt}", outcome.name);
+        }
     }
     plots::draw(scene, folder, history)?;
     let [momentum_z, energy, mass] = conservation(scene, history);
