@@ -1,7 +1,7 @@
 //! What neighbours tell: connected drops, how many neighbours particles have, how evenly they lie.
 
 use std::collections::BTreeMap;
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 use bumpalo::Bump;
 use meniscus_cases::assemble::Physics;
@@ -110,22 +110,68 @@ fn drops(particles: &Particles, list: &NeighbourList, packing: &Packing) -> Vec<
     let arena = Bump::new();
     let reach = |i: usize| 2.0 * packing.theta * particles.size[i].min(packing.largest_size);
     let names = components(list, &packing.domain, [&particles.r, &particles.z], reach, &arena);
+    let period = packing.domain.period;
+    // Where z repeats, the mean direction on the circle that it then is tells which images lie together.
+    let mut middles: BTreeMap<u32, [f64; 2]> = BTreeMap::new();
+    for (particle, name) in names.iter().enumerate() {
+        let turn = period.map_or(0.0, |(_, length)| TAU * particles.z[particle] / length);
+        let [x, y] = middles.entry(*name).or_default();
+        *x += particles.mass[particle] * turn.cos();
+        *y += particles.mass[particle] * turn.sin();
+    }
     let mut drops: BTreeMap<u32, Drop> = BTreeMap::new();
     for (particle, name) in names.iter().enumerate() {
         let mass = particles.mass[particle];
+        let z = particles.z[particle];
+        let image = period.map_or(z, |(_, length)| {
+            let [x, y] = middles[name];
+            z - length * (z / length - y.atan2(x) / TAU).round()
+        });
         let drop = drops.entry(*name).or_default();
         drop.particles += 1;
         drop.mass += mass;
         drop.volume += mass / particles.density[particle];
         drop.velocity_z += mass * particles.velocity[particle];
-        drop.centre_z += mass * particles.z[particle];
+        drop.centre_z += mass * image;
     }
     let mut drops: Vec<Drop> = drops.into_values().collect();
     for drop in &mut drops {
         drop.velocity_z /= drop.mass;
         drop.centre_z /= drop.mass;
+        if let Some((bottom, length)) = period {
+            drop.centre_z = bottom + (drop.centre_z - bottom).rem_euclid(length);
+        }
         drop.radius = (0.75 * drop.volume / PI).cbrt();
     }
     drops.sort_by(|one, other| other.mass.total_cmp(&one.mass));
     drops
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use meniscus_engine::domain::Domain;
+
+    #[test]
+    fn a_drop_across_the_edge_of_a_period_has_its_centre_there() {
+        let domain = Domain { origin: 0.0, period: Some((1.0, 10.0)) };
+        let packing = Packing { domain, theta: 0.5, largest_size: 2.0 };
+        // One of four particles and one of two, across the edge.
+        for (z, centre) in [(&[1.2, 2.0, 9.4, 10.2][..], 10.7), (&[1.1, 10.5], 10.8), (&[4.0, 5.0], 4.5)] {
+            let all = |value: f64| vec![value; z.len()];
+            let particles = Particles {
+                r: all(3.0),
+                z: z.to_vec(),
+                size: all(1.0),
+                mass: all(2.0),
+                density: all(1.0),
+                velocity: all(0.0),
+            };
+            let mut list = NeighbourList::default();
+            list.build([&particles.r, &particles.z, &all(1.0)], &domain);
+            let drops = drops(&particles, &list, &packing);
+            assert_eq!(drops.len(), 1, "{drops:?}");
+            assert!((drops[0].centre_z - centre).abs() < 1e-12, "{drops:?}");
+        }
+    }
 }
