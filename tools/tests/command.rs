@@ -203,6 +203,19 @@ fn a_resumed_run_ends_as_an_uninterrupted_one() {
 }
 
 #[test]
+fn a_resumed_run_knows_how_many_particles_there_were() {
+    let place = Place::new();
+    let fast =
+        ["r=-40 m/s * r/radius", "z=40 m/s * z/radius"].map(|value| format!("body.0.velocity.{value}"));
+    let set = ["--set", &fast[0], "--set", &fast[1]];
+    place.expect(0, &[&["run", "drop.toml", "--out", "run", "--steps", "200"][..], &set].concat());
+    let before = summary(&place.path("run"));
+    assert_ne!(before["particles"], before["first_particles"]);
+    place.expect(0, &["resume", "run", "--steps", "201"]);
+    assert_eq!(summary(&place.path("run"))["first_particles"], before["first_particles"]);
+}
+
+#[test]
 fn a_run_that_was_killed_on_its_way_to_a_new_end_goes_there() {
     let place = Place::new();
     place.expect(0, &["run", "drop.toml", "--out", "run", "--steps", "83"]);

@@ -28,7 +28,7 @@ pub struct Summary {
     pub failure: Option<String>,
     /// Number of particles at the end: some may have been split, and others merged.
     pub particles: u64,
-    /// Number of particles when the process took its first step; zero where it is not known.
+    /// Number of particles at the start of the run; zero where it is not known.
     #[serde(default)]
     pub first_particles: u64,
     /// Number of steps done.

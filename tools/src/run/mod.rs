@@ -36,6 +36,9 @@ pub(crate) use resume::resume;
 pub(crate) use signals::{INTERRUPTED, Signals};
 use stopwatch::{Moment, Stopwatch};
 
+/// A number of the clock, which checkpoints carry on: that of the particles at the start.
+const FIRST_PARTICLES: &str = "particles at the start";
+
 /// How a run ended.
 enum End {
     Done,
@@ -57,7 +60,6 @@ struct Costs {
     filling: Stopwatch,
     steps: Stopwatch,
     first_step: u64,
-    first_particles: u64,
     profiler: Option<Arc<Profiler>>,
 }
 
@@ -233,6 +235,8 @@ impl Run {
         // Not before: a resumed run that cannot take up its files leaves the scene's end as it was.
         self.folder.write_scene(&self.scene.text)?;
         if begins {
+            let particles = simulation.world.store.len() as f64;
+            simulation.world.clock.set_number(FIRST_PARTICLES, particles);
             recorder.record(&simulation)?;
             // What has been placed need not be placed again.
             recorder.checkpoint(&simulation)?;
@@ -252,7 +256,6 @@ impl Run {
             filling,
             steps: Stopwatch::default(),
             first_step: simulation.world.clock.step,
-            first_particles: simulation.world.store.len() as u64,
             profiler: self.profiler.clone(),
         };
         if let Some(profiler) = &self.profiler {

@@ -4,11 +4,11 @@ use meniscus_cases::measure::{Outcome, conservation, evaluate};
 use meniscus_cases::scene::{Precision, Scene};
 use meniscus_cases::simulation::Simulation;
 
-use super::Costs;
 use super::plots;
 use super::profile;
 use super::recorder::{OUTPUTS, Recorder};
 use super::stopwatch::Stopwatch;
+use super::{Costs, FIRST_PARTICLES};
 use crate::command::version;
 use crate::failure::Failure;
 use crate::output::folder::RunFolder;
@@ -52,7 +52,7 @@ pub(super) fn report(
         status: Some(ending.status),
         failure: ending.failure,
         particles: simulation.world.store.len() as u64,
-        first_particles: costs.first_particles,
+        first_particles: clock.number(FIRST_PARTICLES) as u64,
         steps: clock.step,
         time: clock.time,
         wall_seconds,
