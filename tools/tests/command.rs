@@ -291,6 +291,21 @@ fn an_earlier_run_stays_until_the_new_one_can_start() {
 }
 
 #[test]
+fn a_scene_does_not_overwrite_itself() {
+    let place = Place::new();
+    place.expect(0, &["run", "drop.toml", "--out", "run", "--steps", "5"]);
+    let run = place.path("run");
+    let before = ["scene.toml", "series.csv"].map(|name| fs::read(run.join(name)).unwrap());
+    for arguments in [["run", "run/scene.toml", "--out", "run"], ["run", "run/scene.toml", "--out", "./run/"]]
+    {
+        let said = unwrapped(&place.expect(2, &[&arguments[..], &["--steps", "6", "--overwrite"]].concat()));
+        assert!(said.contains("`run/scene.toml` would be replaced") && said.contains("--out DIR"), "{said}");
+    }
+    assert_eq!(["scene.toml", "series.csv"].map(|name| fs::read(run.join(name)).unwrap()), before);
+    place.expect(0, &["run", "drop.toml", "--out", "run", "--steps", "6", "--overwrite"]);
+}
+
+#[test]
 fn what_a_measure_cannot_find_and_a_liquid_too_viscous_are_told() {
     let place = Place::new();
     let said = place.expect(0, &["run", "drop.toml", "--set", "measure.1.laplace-pressure.centre=8 um"]);

@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::atomic::{UNFINISHED_PREFIX, write_atomic};
+use super::series;
+use super::summary::Summary;
 use super::{OutputError, OutputResult};
 use clap::ValueEnum;
 use meniscus_cases::measure::numbered;
@@ -14,7 +16,7 @@ use meniscus_cases::measure::numbered;
 const FILES: [&str; 5] = ["summary.json", "series.csv", "particles.pvd", "scene.toml", "profile.json"];
 /// Folders that a run makes.
 const FOLDERS: [&str; 2] = ["checkpoints", "frames"];
-/// Either of these shows that a folder was made by a run. A scene file does
+/// Either of these shows, by what it holds, that a folder was made by a run. A scene file does
 /// not: it may be the user's own.
 const SIGNS: [&str; 2] = ["summary.json", "series.csv"];
 
@@ -74,6 +76,13 @@ impl RunFolder {
         }
         fs::create_dir_all(&path).map_err(OutputError::file("create the folder", &path))?;
         Self::lock(path)
+    }
+
+    /// Whether a new run would remove or rewrite a file.
+    pub fn replaces(&self, file: &Path) -> bool {
+        let paths = [file, &self.path].map(|path| path.canonicalize().ok());
+        let [Some(file), Some(folder)] = paths else { return false };
+        file.parent() == Some(&folder) && is_made_by_a_run(&name_of(&file))
     }
 
     /// Removes what an earlier run has left: only the files that a run makes,
@@ -199,7 +208,8 @@ fn is_empty(path: &Path) -> OutputResult<bool> {
 
 /// Whether a run has written into a folder, or would have if nothing had stopped it.
 fn is_run(folder: &Path) -> OutputResult<bool> {
-    if SIGNS.iter().any(|sign| folder.join(sign).exists()) {
+    let [summary, series] = SIGNS.map(|sign| folder.join(sign));
+    if Summary::read(&summary).is_ok() || series::begins(&series) {
         return Ok(true);
     }
     let checkpoints = folder.join(FOLDERS[0]);
@@ -371,6 +381,20 @@ mod tests {
         fs::write(other.join("model.pt"), "dear").unwrap();
         assert!(RunFolder::take(parent.path(), true).is_err());
         fs::write(other.join("step-000000060.meniscus"), "a run's").unwrap();
+        assert!(RunFolder::take(parent.path(), true).is_ok());
+    }
+
+    #[test]
+    fn files_of_the_same_names_are_no_run() {
+        let parent = tempfile::tempdir().unwrap();
+        for (name, text) in
+            [("series.csv", "a,b\n1,2\n"), ("summary.json", "{}"), ("film.png", "mine"), ("scene.toml", "")]
+        {
+            fs::write(parent.path().join(name), text).unwrap();
+            let refusal = RunFolder::take(parent.path(), true).unwrap_err().to_string();
+            assert!(refusal.contains("no earlier run"), "{name}: {refusal}");
+        }
+        fs::write(parent.path().join("series.csv"), "step,time [s]\n").unwrap();
         assert!(RunFolder::take(parent.path(), true).is_ok());
     }
 

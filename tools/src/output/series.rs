@@ -6,12 +6,15 @@
 //! last one was cut off and is no row.
 
 use std::fs::{File, OpenOptions};
-use std::io::Write;
+use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
 use super::atomic::{read_text, write_atomic};
 use super::units::{labelled, split_label};
 use super::{OutputError, OutputResult};
+
+/// How every run's series begins.
+const HEAD: &[u8] = b"step,time [s]";
 
 /// A measured quantity and its unit.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -123,6 +126,12 @@ impl SeriesWriter {
             .and_then(|line| self.file.write_all(&line))
             .map_err(OutputError::file("write", &self.path))
     }
+}
+
+/// Whether a file begins as a run's series does.
+pub(super) fn begins(path: &Path) -> bool {
+    let mut head = [0; HEAD.len()];
+    File::open(path).and_then(|mut file| file.read_exact(&mut head)).is_ok() && head == *HEAD
 }
 
 /// Reads a series back.

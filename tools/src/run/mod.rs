@@ -107,6 +107,12 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<ExitCode, Failure> {
     let out = out.unwrap_or_else(|| default_folder(&arguments.scene));
     let folder =
         RunFolder::take(out, arguments.overwrite).map_err(|error| Failure::input(error.to_string()))?;
+    if folder.replaces(&arguments.scene) {
+        return Err(Failure::input(format!(
+            "the scene `{}` would be replaced by the results; choose another folder with `--out DIR`",
+            arguments.scene.display()
+        )));
+    }
     let display = Display::alone(arguments.extent.quiet);
     let profiler = Profiler::asked(&arguments.extent, &pool)?;
     let run = Run { scene, folder, signals, display, profiler, started };

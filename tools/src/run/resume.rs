@@ -73,7 +73,7 @@ fn find(folder: &RunFolder) -> Result<Found, Failure> {
     if is_recorded(folder) {
         return Err(Failure::input(format!(
             "`{0}` holds results, but no checkpoint any more from which to go on; bring its checkpoints back from a \
-             copy, or run `{1}` anew into another folder with `--out DIR` (or into this one with `--overwrite`)",
+             copy, or run `{1}` anew into another folder with `--out DIR`",
             folder.path().display(),
             folder.scene().display(),
         )));
