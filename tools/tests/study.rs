@@ -62,6 +62,27 @@ fn a_study_leaves_its_table_plot_and_page() {
     assert_eq!(page.matches("<circle").count(), 6, "two lines of two points, and their marks in the legend");
     let (code, said) = meniscus(folder.path(), &arguments);
     assert_eq!(code, Some(2), "{said}");
+    // What a smaller study does not replace goes; what is the user's own stays.
+    let (plain, _) = DROP.split_once("[[measure]]").unwrap();
+    fs::write(folder.path().join("plain.toml"), plain).unwrap();
+    let fewer = ["study", "plain.toml", "--vary", "particle_size=400 nm", "--out", "out", "--overwrite"];
+    for own in ["notes.txt", "runs/run-4/mine.txt"] {
+        fs::write(out.join(own), "mine").unwrap();
+    }
+    let (code, said) = meniscus(folder.path(), &fewer);
+    assert_eq!(code, Some(0), "{said}");
+    assert!(!out.join("study.png").exists() && !out.join("runs/run-2").exists());
+    assert!(out.join("notes.txt").exists() && !out.join("runs/run-4/summary.json").exists());
+    assert!(out.join("runs/run-1/summary.json").exists() && out.join("runs/run-4/mine.txt").exists());
+    // Files of the same names are no study, nor are other runs.
+    let other = folder.path().join("other");
+    fs::create_dir_all(&other).unwrap();
+    fs::rename(out.join("runs/run-1"), other.join("drop")).unwrap();
+    fs::rename(&other, folder.path().join("runs")).unwrap();
+    fs::write(folder.path().join("study.json"), "mine").unwrap();
+    let (code, said) = meniscus(folder.path(), &[&fewer[..4], &["--out", ".", "--overwrite"]].concat());
+    assert!(code == Some(2) && said.contains("no earlier run"), "{said}");
+    assert!(folder.path().join("runs/drop/summary.json").exists());
 }
 
 #[test]

@@ -207,7 +207,7 @@ fn is_empty(path: &Path) -> OutputResult<bool> {
 }
 
 /// Whether a run has written into a folder, or would have if nothing had stopped it.
-fn is_run(folder: &Path) -> OutputResult<bool> {
+pub(crate) fn is_run(folder: &Path) -> OutputResult<bool> {
     let [summary, series] = SIGNS.map(|sign| folder.join(sign));
     if Summary::read(&summary).is_ok() || series::begins(&series) {
         return Ok(true);
@@ -248,15 +248,18 @@ fn remove_files(folder: &Path, which: fn(&str) -> bool) -> OutputResult<()> {
     paths.iter().filter(|path| which(&name_of(path)) && !path.is_dir()).try_for_each(|path| remove(path))
 }
 
-fn remove(path: &Path) -> OutputResult<()> {
+/// Removes a file.
+pub(crate) fn remove(path: &Path) -> OutputResult<()> {
     fs::remove_file(path).map_err(OutputError::file("remove", path))
 }
 
-fn name_of(path: &Path) -> String {
+/// The last part of a path.
+pub(crate) fn name_of(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-fn entries(folder: &Path) -> OutputResult<Vec<PathBuf>> {
+/// What lies in a folder.
+pub(crate) fn entries(folder: &Path) -> OutputResult<Vec<PathBuf>> {
     let unread = || OutputError::file("read the folder", folder);
     let entries = fs::read_dir(folder).map_err(unread())?;
     entries.map(|entry| Ok(entry.map_err(unread())?.path())).collect()

@@ -1,13 +1,13 @@
 //! Runs of scenes, one after the other.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use meniscus_cases::region::Region;
 use meniscus_cases::scene::{self, Diagnosis, Scene};
 
 use crate::failure::Failure;
 use crate::output::OutputError;
-use crate::output::folder::RunFolder;
+use crate::output::folder::{RunFolder, entries, is_run, name_of, remove};
 use crate::output::summary::{Status, Summary};
 use crate::run::{self, Display};
 
@@ -40,21 +40,45 @@ impl Job {
     }
 }
 
-/// Makes the folder of all runs' results.
+/// Makes the folder of all runs' results. Of earlier ones, which are told by their names in it and what the runs hold, only
+/// runs stay that these jobs will replace.
 ///
 /// # Errors
 /// Bad input if something else lies there already.
-pub(crate) fn prepare(out: &Path, overwrite: bool, sign: &str) -> Result<(), Failure> {
+pub(crate) fn prepare(
+    out: &Path,
+    overwrite: bool,
+    jobs: &[Job],
+    is_result: impl Fn(&str) -> bool,
+) -> Result<(), Failure> {
     let refuse = |error: OutputError| Failure::input(error.to_string());
     if out.exists() && !out.is_dir() {
         return Err(refuse(OutputError::NotAFolder(out.to_owned())));
     }
-    let occupied = std::fs::read_dir(out).is_ok_and(|mut entries| entries.next().is_some());
-    if occupied && !overwrite {
+    let found = if out.is_dir() { entries(out).map_err(refuse)? } else { Vec::new() };
+    if !found.is_empty() && !overwrite {
         return Err(refuse(OutputError::Occupied(out.to_owned())));
     }
-    if occupied && !out.join(sign).exists() && !out.join("runs").exists() {
+    let runs = out.join("runs");
+    let inner = if runs.is_dir() { entries(&runs).map_err(refuse)? } else { Vec::new() };
+    let is_earlier = |path: &&PathBuf| {
+        is_result(&format!("runs/{}", name_of(path))) && is_run(path).is_ok_and(|is_run| is_run)
+    };
+    let earlier: Vec<&PathBuf> = inner.iter().filter(is_earlier).collect();
+    let results: Vec<&PathBuf> = found.iter().filter(|path| is_result(&name_of(path))).collect();
+    // Of runs that could not begin nothing is left.
+    let is_ours =
+        !earlier.is_empty() || runs.is_dir() && inner.is_empty() && results.len() + 1 == found.len();
+    if !found.is_empty() && !is_ours {
         return Err(refuse(OutputError::NotARun(out.to_owned())));
+    }
+    for path in earlier {
+        if !jobs.iter().any(|job| job.name == name_of(path)) {
+            RunFolder::take(path, true).map_err(refuse)?.give_up();
+        }
+    }
+    for path in results {
+        remove(path).map_err(refuse)?;
     }
     let made = std::fs::create_dir_all(out);
     made.map_err(OutputError::file("create the folder", out)).map_err(refuse)

@@ -28,6 +28,9 @@ Every combination of the listed values runs once. DIR gets study.html, study.csv
 study.png, study.svg, and each run's own results in runs/.
 Exit codes: 0 done; 1 a run broke down; 2 bad input; 130 interrupted.";
 
+/// What a study leaves beside its runs.
+const RESULTS: [&str; 5] = ["study.csv", "study.json", "study.png", "study.svg", "study.html"];
+
 /// Arguments of `study`.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
@@ -77,7 +80,10 @@ pub(crate) fn study(arguments: &StudyArguments) -> Result<ExitCode, Failure> {
         jobs.push(job);
     }
     warn_once(&jobs);
-    prepare(&arguments.out, arguments.overwrite, "study.json")?;
+    prepare(&arguments.out, arguments.overwrite, &jobs, |name| {
+        let number = name.strip_prefix("runs/run-").map(str::parse::<u64>);
+        RESULTS.contains(&name) || number.is_some_and(|number| number.is_ok())
+    })?;
     let pool = pool(arguments.threads)?;
     let (summaries, done) = run_all(&jobs, &arguments.out, (&pool, arguments.quiet));
     let interrupted = summaries.iter().any(|summary| summary.status == Some(Status::Interrupted));

@@ -65,7 +65,18 @@ pub(crate) fn verify(arguments: &VerifyArguments) -> Result<ExitCode, Failure> {
             plan.push((case, resolution));
         }
     }
-    prepare(&arguments.out, arguments.overwrite, "verify.json")?;
+    let known = catalogue::read(&arguments.cases, &[])?;
+    let is_of_case = |name: &str| {
+        let parts = name.rsplit_once('-');
+        parts.is_some_and(|(case, number)| {
+            number.parse::<f64>().is_ok() && known.iter().any(|known| known.name == case)
+        })
+    };
+    let is_result = |name: &str| {
+        let of_case = name.strip_prefix("runs/").or(name.strip_suffix(".svg"));
+        ["verify.json", "verify.html"].contains(&name) || of_case.is_some_and(is_of_case)
+    };
+    prepare(&arguments.out, arguments.overwrite, &jobs, is_result)?;
     let pool = pool(arguments.threads)?;
     let (summaries, done) = run_all(&jobs, &arguments.out, (&pool, arguments.quiet));
     done?;
