@@ -101,6 +101,16 @@ pub enum CheckpointError {
         /// What they disagree about.
         what: &'static str,
     },
+    /// The name tells another step than the file holds.
+    #[error("{}: found step {step} in it, expected {named} by its name; give it back its name, or use another checkpoint", path.display())]
+    Misnamed {
+        /// The file.
+        path: PathBuf,
+        /// The step of the name.
+        named: u64,
+        /// The step in the file.
+        step: u64,
+    },
     /// Two columns share a name.
     #[error("{}: found two columns named `{name}`, expected each name once; the program that filled the checkpoint is at fault", path.display())]
     DuplicateColumn {

@@ -56,8 +56,22 @@ fn named(
     Ok(found)
 }
 
-/// Reads the newest checkpoint of a folder that is whole. Also returns the newer ones that are
-/// damaged, each with the reason.
+/// Checks that the name of a checkpoint, where it tells a step, tells that which the file holds.
+///
+/// # Errors
+/// A name that tells another step.
+pub fn check_name(path: &Path, step: u64) -> Result<(), CheckpointError> {
+    let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+    match step_of(name.strip_prefix(CRASHED).unwrap_or(name)) {
+        Some(named) if named != step => {
+            Err(CheckpointError::Misnamed { path: path.to_path_buf(), named, step })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Reads the newest checkpoint of a folder that is whole and of the step that its name tells. Also returns the newer ones
+/// that are not, each with the reason.
 ///
 /// # Errors
 /// A folder that cannot be read or holds no valid checkpoint; a newer file that cannot be opened or
@@ -65,7 +79,7 @@ fn named(
 pub fn newest_valid(folder: &Path) -> Result<(PathBuf, Checkpoint, Vec<Skipped>), CheckpointError> {
     let mut skipped = Vec::new();
     for (_, path) in list(folder)?.into_iter().rev() {
-        match read(&path) {
+        match read(&path).and_then(|found| check_name(&path, found.clock.step).map(|()| found)) {
             Ok(checkpoint) => return Ok((path, checkpoint, skipped)),
             Err(error) if error.is_damage() => skipped.push((path, error)),
             Err(error) => return Err(error),

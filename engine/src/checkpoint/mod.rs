@@ -33,7 +33,9 @@ mod types;
 mod write;
 
 pub use error::{CheckpointError, Skipped};
-pub use folder::{crash_file_name, file_name, keep_last, list, list_crashes, newest_valid, set_aside};
+pub use folder::{
+    check_name, crash_file_name, file_name, keep_last, list, list_crashes, newest_valid, set_aside,
+};
 pub use header::FORMAT_VERSION;
 pub use mapped::{ColumnView, Mapped};
 pub use read::{parse, read};

@@ -4,14 +4,14 @@ use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use meniscus_engine::checkpoint::{CheckpointError, Mapped, list};
+use meniscus_engine::checkpoint::{CheckpointError, Mapped, check_name, list};
 use serde::Serialize;
 
 use super::failure::{Failure, Verdict};
 use super::open::{checkpoints, particles};
 use super::print::{self, number};
 use crate::output::{OutputError, series, summary};
-use crate::run::count_frames;
+use crate::run::{count_frames, same_scene};
 
 /// What to check.
 #[derive(clap::Args, Debug)]
@@ -148,6 +148,17 @@ fn check(file: &Path) -> Result<String, Failure> {
     }
     let mapped = Mapped::open(file)?;
     mapped.verify()?;
+    check_name(file, mapped.clock().step)?;
+    // A run has one scene; how far it goes may have changed.
+    let folder = file.parent().filter(|folder| folder.ends_with("checkpoints"));
+    let scene = folder.and_then(Path::parent).map(|run| run.join("scene.toml"));
+    let text = scene.as_ref().and_then(|scene| fs::read_to_string(scene).ok());
+    if text.is_some_and(|text| !same_scene(&text, mapped.scene())) {
+        return Err(Failure::File(OutputError::content(
+            file,
+            "it is of another scene than the run's `scene.toml`",
+        )));
+    }
     let columns = mapped.columns()?;
     Ok(format!(
         "step {}, time {} s, {} particles, {} fields",

@@ -32,7 +32,7 @@ pub(crate) use frames::{count_frames, rehearse_picture};
 use profile::Profiler;
 use recorder::Recorder;
 pub(crate) use recorder::observed_every;
-pub(crate) use resume::resume;
+pub(crate) use resume::{resume, same_scene};
 pub(crate) use signals::{INTERRUPTED, Signals};
 use stopwatch::{Moment, Stopwatch};
 

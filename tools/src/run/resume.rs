@@ -127,7 +127,7 @@ impl Found {
 }
 
 /// Whether two texts describe the same scene; how far it runs may differ.
-fn same_scene(one: &str, other: &str) -> bool {
+pub(crate) fn same_scene(one: &str, other: &str) -> bool {
     let essence = |text: &str| {
         let mut table: toml::Table = text.parse().ok()?;
         if let Some(run) = table.get_mut("run").and_then(toml::Value::as_table_mut) {

@@ -2,12 +2,36 @@
 
 use super::*;
 
+/// A checkpoint after a number of steps.
+fn at_step(step: u64) -> Checkpoint {
+    let mut checkpoint = sample(5);
+    checkpoint.clock.step = step;
+    checkpoint
+}
+
+#[test]
+fn a_file_of_another_step_than_its_name_tells_is_passed_over() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, step) in [(60, 60), (120, 90)] {
+        write(&folder.path().join(file_name(name)), &at_step(step)).unwrap();
+    }
+    let (path, found, skipped) = newest_valid(folder.path()).unwrap();
+    assert_eq!((path.file_name().unwrap().to_str(), found.clock.step), (Some(&*file_name(60)), 60));
+    let reason = skipped[0].1.to_string();
+    assert!(
+        skipped[0].1.is_damage() && reason.contains("step 90") && reason.contains("expected 120"),
+        "{reason}"
+    );
+    assert!(check_name(Path::new("mine.meniscus"), 90).is_ok());
+    assert!(check_name(Path::new(&crash_file_name(9)), 90).is_err());
+}
+
 /// Damaged files must not push out whole ones.
 #[test]
 fn a_file_that_is_set_aside_counts_no_longer() {
     let folder = tempfile::tempdir().unwrap();
     for step in [60, 120, 180, 240] {
-        write(&folder.path().join(file_name(step)), &sample(5)).unwrap();
+        write(&folder.path().join(file_name(step)), &at_step(step)).unwrap();
     }
     for step in [120, 180, 240] {
         fs::write(folder.path().join(file_name(step)), "cut off").unwrap();
@@ -29,10 +53,8 @@ fn the_newest_whole_file_is_found() {
     let folder = tempfile::tempdir().unwrap();
     let error = newest_valid(folder.path()).unwrap_err();
     assert!(!error.is_damage(), "{error}");
-    let mut checkpoint = sample(5);
     for step in [7, 80, 900, 12_345_678_901] {
-        checkpoint.clock.step = step;
-        write(&folder.path().join(file_name(step)), &checkpoint).unwrap();
+        write(&folder.path().join(file_name(step)), &at_step(step)).unwrap();
     }
     fs::write(folder.path().join("step-+99.meniscus"), "no checkpoint").unwrap();
     let crash = folder.path().join(crash_file_name(99_999_999_999));

@@ -39,6 +39,23 @@ fn verify_names_each_file() {
 }
 
 #[test]
+fn verify_finds_files_that_do_not_belong_there() {
+    let (_folder, run, file) = run_folder();
+    let scene = Path::new(&run).join("scene.toml");
+    fs::write(&scene, &sample().scene).unwrap();
+    good(&["verify", &run]);
+    fs::write(&scene, "title = \"Another\"\n").unwrap();
+    let (output, result) = inspect(&["verify", &run]);
+    assert!(result.unwrap() == Verdict::Bad && output.contains("another scene"), "{output}");
+    fs::rename(&file, file.with_file_name(file_name(13))).unwrap();
+    let (output, result) = inspect(&["verify", &run]);
+    assert!(
+        result.unwrap() == Verdict::Bad && output.contains("step 12") && output.contains("expected 13"),
+        "{output}"
+    );
+}
+
+#[test]
 fn diff_matches_by_identity() {
     let (_folder, run, file) = run_folder();
     let other = file.with_file_name("other");
