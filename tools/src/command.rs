@@ -10,6 +10,7 @@ use meniscus_cases::scene::Diagnosis;
 use meniscus_engine::lanes::INSTRUCTION_SET;
 
 use crate::failure::Failure;
+use crate::output::units::counted;
 use crate::study::StudyArguments;
 use crate::verify::VerifyArguments;
 use crate::{inspect, plan, run, study, verify};
@@ -206,9 +207,23 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
     }
 }
 
+/// Threads for each core that still run: more of them wait for each other most of the time.
+const THREADS_PER_CORE: usize = 4;
+/// So many are started on any machine.
+const MOST_THREADS: usize = 64;
+
 /// Threads for the whole work of a command.
 pub(crate) fn pool(threads: Option<u16>) -> Result<rayon::ThreadPool, Failure> {
     let threads = threads.map_or(0, usize::from);
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let most = (THREADS_PER_CORE * cores).max(MOST_THREADS);
+    if threads > most {
+        return Err(Failure::input(format!(
+            "--threads {threads}: so many would hardly run on {}; choose {most} or fewer, or leave it out for one for \
+             each core",
+            counted(cores as u64, "core")
+        )));
+    }
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     pool.map_err(|error| Failure::on_the_way(format!("cannot start the threads: {error}")))
 }

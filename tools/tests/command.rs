@@ -115,6 +115,7 @@ fn a_bad_value_is_blamed_on_its_option() {
         ("--until", "-1 s", "must be positive"),
         ("--steps", "-5", "must be a whole number from 1"),
         ("--threads", "-1", "-1 is not in 1..="),
+        ("--threads", "65535", "or fewer, or leave it out"),
     ] {
         let said = unwrapped(&place.expect(2, &[&run[..], &[option, value]].concat()));
         assert!(said.contains(found) && said.contains(option) && !said.contains("--set"), "{said}");

@@ -80,11 +80,11 @@ pub(crate) fn study(arguments: &StudyArguments) -> Result<ExitCode, Failure> {
         jobs.push(job);
     }
     warn_once(&jobs);
+    let pool = pool(arguments.threads)?;
     prepare(&arguments.out, arguments.overwrite, &jobs, |name| {
         let number = name.strip_prefix("runs/run-").map(str::parse::<u64>);
         RESULTS.contains(&name) || number.is_some_and(|number| number.is_ok())
     })?;
-    let pool = pool(arguments.threads)?;
     let (summaries, done) = run_all(&jobs, &arguments.out, (&pool, arguments.quiet));
     let interrupted = summaries.iter().any(|summary| summary.status == Some(Status::Interrupted));
     let failed = summaries.iter().any(|summary| summary.status == Some(Status::Failed));

@@ -76,8 +76,8 @@ pub(crate) fn verify(arguments: &VerifyArguments) -> Result<ExitCode, Failure> {
         let of_case = name.strip_prefix("runs/").or(name.strip_suffix(".svg"));
         ["verify.json", "verify.html"].contains(&name) || of_case.is_some_and(is_of_case)
     };
-    prepare(&arguments.out, arguments.overwrite, &jobs, is_result)?;
     let pool = pool(arguments.threads)?;
+    prepare(&arguments.out, arguments.overwrite, &jobs, is_result)?;
     let (summaries, done) = run_all(&jobs, &arguments.out, (&pool, arguments.quiet));
     done?;
     if summaries.iter().any(|summary| summary.status == Some(Status::Interrupted)) {
