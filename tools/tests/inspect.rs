@@ -152,6 +152,13 @@ fn bad_ranges_and_targets_are_refused_by_name() {
         assert_eq!(output.status.code(), Some(2), "{error}");
         assert!(error.contains(name) && !error.contains("unfinished"), "{error}");
     }
+    if cfg!(target_os = "linux") {
+        for arguments in [&["export", run, "/proc/a.csv"][..], &["render", run, "speed", "/proc/a.png"]] {
+            let output = meniscus(&[&["inspect"][..], arguments].concat());
+            let error = String::from_utf8(output.stderr).unwrap();
+            assert!(output.status.code() == Some(2) && error.contains("choose another"), "{error}");
+        }
+    }
     let grouped = said(&["where", run, "(z > 2 um or r < 0.2 um) and not (r > 0.3 um)"]);
     assert!(grouped.contains("particles"), "{grouped}");
 }

@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use meniscus_cases::scene::Diagnosis;
 use meniscus_engine::checkpoint::{CheckpointError, ColumnView};
 
-use crate::output::OutputError;
+use crate::output::{OutputError, is_full};
 use meniscus_cases::scene::FOLLOWING;
 
 /// What an inspection found.
@@ -66,10 +66,11 @@ pub enum Failure {
 }
 
 impl Failure {
-    /// 1 for a file that is damaged or cannot be written, 2 for anything that other arguments would mend.
+    /// 1 for a file that is damaged or a disk that is full, 2 for anything that other arguments would mend.
     pub fn exit_code(&self) -> ExitCode {
         match self {
             Self::Checkpoint(error) if error.is_damage() => ExitCode::from(1),
+            Self::File(OutputError::File { reason, .. }) if !is_full(reason) => ExitCode::from(2),
             Self::Output(_) | Self::File(_) => ExitCode::from(1),
             _ => ExitCode::from(2),
         }

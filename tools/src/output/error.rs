@@ -62,13 +62,15 @@ pub enum OutputError {
     NoRun(PathBuf),
 }
 
-/// What to do where a disk is full, or the user's part of it.
+/// Whether a disk is full, or the user's part of it.
+pub(crate) fn is_full(reason: &io::Error) -> bool {
+    matches!(reason.kind(), ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge)
+}
+
 fn way_out(reason: &io::Error) -> &'static str {
-    match reason.kind() {
-        ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge => {
-            "; free space there and repeat the command, or go on with a run by `meniscus resume DIR`"
-        }
-        _ => "",
+    match is_full(reason) {
+        true => "; free space there and repeat the command, or go on with a run by `meniscus resume DIR`",
+        false => "; check the place and its permissions, or choose another one",
     }
 }
 

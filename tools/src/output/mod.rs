@@ -22,4 +22,5 @@ pub mod summary;
 pub mod units;
 pub mod vtk;
 
+pub(crate) use error::is_full;
 pub use error::{OutputError, OutputResult};
