@@ -407,6 +407,7 @@ fn plans_and_completions_write_nothing() {
     for part in ["left out", "shifting", "time step", "particles of 90.0 nm", "read by integrate"] {
         assert!(plan.contains(part), "{part} is not in\n{plan}");
     }
+    assert!(place.expect(0, &["inspect", "at", "--help"]).contains("less `domain.origin`"));
     assert!(place.expect(0, &["completions", "bash"]).contains("_meniscus"));
     assert_eq!(fs::read_dir(place.folder.path()).unwrap().count(), 1);
 }

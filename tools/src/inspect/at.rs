@@ -18,7 +18,7 @@ Examples:
 pub struct Arguments {
     /// A checkpoint, or the folder of a run: then its newest checkpoint
     checkpoint: PathBuf,
-    /// Distance from the axis, in metres or with a unit: "2 um"
+    /// The scene's r, the distance from the axis less `domain.origin`, in metres or with a unit: "2 um"
     #[arg(value_parser = length, allow_hyphen_values = true)]
     r: f64,
     /// Height along the axis, likewise
@@ -56,7 +56,7 @@ pub fn length(text: &str) -> Result<f64, String> {
     }
 }
 
-/// A place: distance from the axis and height along it, m.
+/// A place: the scene's r and z, m.
 #[derive(Clone, Copy, Debug)]
 pub struct Place {
     r: f64,
