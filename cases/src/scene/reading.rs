@@ -111,6 +111,9 @@ const LONGEST_TITLE: usize = 200;
 fn title(entry: Entry<'_>) -> Result<String, Fault> {
     let title = entry.text()?;
     let help = format!("a title is one line of plain text, of {LONGEST_TITLE} characters at most");
+    if title.trim().is_empty() {
+        return Err(entry.fault("`title` is empty", format!("{help}; without one it is the file's name")));
+    }
     if let Some(control) = title.chars().find(|letter| letter.is_control()) {
         let message = format!("`title` holds the control character U+{:04X}", u32::from(control));
         return Err(entry.fault(message, help));

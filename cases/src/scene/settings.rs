@@ -76,7 +76,7 @@ impl Setting {
         let mut keys = Vec::new();
         let mut place = Some(Place::Table(document.as_table()));
         for (depth, part) in self.path.iter().enumerate() {
-            if let Some(Place::Table(table)) = place
+            if let Some(table) = place.and_then(Place::table)
                 && depth >= self.existing
             {
                 keys.extend(table.key(part).and_then(toml_edit::Key::span));
@@ -96,21 +96,26 @@ enum Place<'a> {
 }
 
 impl<'a> Place<'a> {
-    fn inner(self, part: &str) -> Option<Self> {
+    fn table(self) -> Option<&'a dyn TableLike> {
         match self {
-            Place::Table(table) => match table.get(part)? {
-                Item::None => None,
-                Item::Table(table) => Some(Place::Table(table)),
-                Item::ArrayOfTables(tables) => Some(Place::Tables(tables)),
-                Item::Value(value) => Some(Self::of_value(value)),
-            },
-            Place::Tables(tables) => Some(Place::Table(tables.get(part.parse().ok()?)?)),
-            Place::Value(value) => Some(Self::of_value(value.as_array()?.get(part.parse().ok()?)?)),
+            Place::Table(table) => Some(table),
+            Place::Value(Value::InlineTable(table)) => Some(table),
+            _ => None,
         }
     }
 
-    fn of_value(value: &'a Value) -> Self {
-        value.as_inline_table().map_or(Place::Value(value), |table| Place::Table(table))
+    fn inner(self, part: &str) -> Option<Self> {
+        match (self.table(), self) {
+            (Some(table), _) => match table.get(part)? {
+                Item::None => None,
+                Item::Table(table) => Some(Place::Table(table)),
+                Item::ArrayOfTables(tables) => Some(Place::Tables(tables)),
+                Item::Value(value) => Some(Place::Value(value)),
+            },
+            (_, Place::Tables(tables)) => Some(Place::Table(tables.get(part.parse().ok()?)?)),
+            (_, Place::Value(value)) => Some(Place::Value(value.as_array()?.get(part.parse().ok()?)?)),
+            _ => None,
+        }
     }
 
     fn span(self) -> Option<Range<usize>> {

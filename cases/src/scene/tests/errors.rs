@@ -70,6 +70,7 @@ fn a_title_is_one_short_line() {
     let title = "A water drop oscillates in mode 2";
     let long = "x".repeat(201);
     mistake_at(&changed(title, &long), 2, &format!("\"{long}\""), &["201 characters long", "200 characters"]);
+    mistake_at(&changed(title, " "), 2, "\" \"", &["`title` is empty", "the file's name"]);
     let coloured = changed(title, "\\u001b[31mred");
     mistake_at(&coloured, 2, "\"\\u001b[31mred\"", &["control character U+001B", "plain text"]);
     assert_eq!(super::read(&changed(title, &long[1..])).title.len(), 200);

@@ -69,6 +69,8 @@ fn a_bad_setting_is_shown_itself() {
     blamed(&["title.x=3"], "title.x", &["`title` holds no key `x`"]);
     blamed(&["body.7.shape=3"], "body.7.shape", &["`body` holds no key `7`"]);
     blamed(&["body.0=1 um"], "body.0", &["`body.0` is a table", "--set body.0.KEY=VALUE"]);
+    blamed(&["particles.size={}"], "{}", &["`size` expects a length", "not a table"]);
+    blamed(&["body.0.shape={ sphere = { radius = \"-1 um\" } }"], "\"-1 um\"", &["`radius` is -1e-6 m"]);
     blamed(&["body=3"], "body", &["no parameter `body`"]);
     blamed(&["method.theta=0.6", "method.theta=9"], "9", &["`theta` is 9"]);
     blamed(&["particle_size=1 um"], "1 um", &["fewer than 10 (5) fit"]);
