@@ -1,6 +1,9 @@
 //! What is reported about a scene: one mistake or doubt, with the place it is about.
 
-use miette::{Diagnostic, LabeledSpan, NamedSource, Severity, SourceCode, SourceSpan};
+use miette::{
+    Diagnostic, LabeledSpan, MietteError, MietteSpanContents, NamedSource, Severity, SourceCode, SourceSpan,
+    SpanContents,
+};
 use std::fmt;
 use std::ops::Range;
 use std::sync::Arc;
@@ -26,6 +29,46 @@ pub(super) struct Place {
     pub(super) source: NamedSource<String>,
     pub(super) span: Range<usize>,
     pub(super) label: String,
+}
+
+/// Longest line of a source that is shown whole, in bytes.
+const LONGEST_LINE: usize = 400;
+
+impl Place {
+    /// What is underlined: of a long stretch its beginning.
+    fn shown(&self) -> Range<usize> {
+        let Range { start, end } = self.span;
+        start..self.source.inner().floor_char_boundary(end.min(start + LONGEST_LINE / 2))
+    }
+}
+
+/// The source, of a long line only what lies around the place.
+impl SourceCode for Place {
+    fn read_span<'a>(
+        &'a self,
+        span: &SourceSpan,
+        before: usize,
+        after: usize,
+    ) -> Result<Box<dyn SpanContents<'a> + 'a>, MietteError> {
+        let contents = self.source.read_span(span, before, after)?;
+        if contents.data().split(|byte| *byte == b'\n').all(|line| line.len() <= LONGEST_LINE) {
+            return Ok(contents);
+        }
+        let (text, place) = (self.source.inner(), span.offset());
+        let line = text[..place].rfind('\n').map_or(0, |position| position + 1);
+        let reach = LONGEST_LINE / 2 * before.min(1);
+        let start = text.floor_char_boundary(line.max(place.saturating_sub(reach)));
+        let end = text[place..].find('\n').map_or(text.len(), |length| place + length);
+        let end = text.floor_char_boundary(end.min(place + LONGEST_LINE / 2));
+        Ok(Box::new(MietteSpanContents::new_named(
+            self.source.name().to_owned(),
+            &text.as_bytes()[start..end],
+            (start, end - start).into(),
+            text[..line].matches('\n').count(),
+            start - line,
+            1,
+        )))
+    }
 }
 
 impl Diagnosis {
@@ -97,13 +140,13 @@ impl Diagnostic for Diagnosis {
     }
 
     fn source_code(&self) -> Option<&dyn SourceCode> {
-        self.report.place.as_ref().map(|place| &place.source as &dyn SourceCode)
+        self.report.place.as_ref().map(|place| place as &dyn SourceCode)
     }
 
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
         let place = self.report.place.as_ref()?;
         let label = (!place.label.is_empty()).then(|| place.label.clone());
-        let span = SourceSpan::from(place.span.clone());
+        let span = SourceSpan::from(place.shown());
         Some(Box::new(std::iter::once(LabeledSpan::new_with_span(label, span))))
     }
 }

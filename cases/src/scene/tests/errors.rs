@@ -77,6 +77,23 @@ fn a_title_is_one_short_line() {
 }
 
 #[test]
+fn of_a_long_line_only_a_part_is_shown() {
+    let padding = "x".repeat(10_000);
+    for text in [
+        changed("A water drop", &padding),
+        changed("theta = 0.5", &format!("theta = 3 # {padding}")),
+        changed("amplitude = 0.02", &format!("amplitude = \"0.02{}+ raduis\"", "+ 1".repeat(3000))),
+        changed("theta = 0.5", &format!("theta = 3\n# {padding}")),
+    ] {
+        let diagnosis = mistake(&text, &[], &[]);
+        let line = diagnosis.line().unwrap();
+        let shown = format!("{:?}", miette::Report::new(diagnosis));
+        assert!(shown.lines().all(|line| line.chars().count() < 600), "{shown}");
+        assert!(shown.contains(&format!("drop.toml:{line}:")), "{shown}");
+    }
+}
+
+#[test]
 fn nothing_is_faster_than_light() {
     mistake_at(
         &changed("-amplitude*capillary_velocity*(r/radius)/2", "1e300 m/s"),
