@@ -152,7 +152,7 @@ mod tests {
                 "laplace_slope",
             ),
             (&["shifting", "boundary-evening"], "concentration_gradient_r"),
-            (&[], "power"),
+            (&["reference-work"], "power"),
             (&["viscosity"], "viscous_power"),
         ];
         let variants = scenes(&["resolution=24"]);

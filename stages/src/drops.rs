@@ -6,6 +6,7 @@ use crate::fields;
 use crate::rows::PackedState;
 use crate::time_step::steps_to_move;
 use bumpalo::Bump;
+use meniscus_engine::parallel;
 use meniscus_engine::pipeline::{Fault, Stage, World};
 use meniscus_engine::store::{Read, Update};
 use meniscus_engine::wiring::Wiring;
@@ -81,7 +82,8 @@ impl Stage for Drops {
 
 /// Number of drops that particles are numbered by, at least one.
 pub(crate) fn count(drop: &[u32]) -> usize {
-    drop.iter().copied().fold(0, u32::max) as usize + 1
+    let most = |_: usize, drop: &[u32], _: usize| drop.iter().copied().fold(0, u32::max);
+    parallel::fold_chunks(drop.len(), drop, &most, &u32::max) as usize + 1
 }
 
 /// How many particles each drop has.

@@ -91,16 +91,25 @@ impl SizeEvening {
     fn find_uneven<'a>(&self, world: &'a World) -> &'a [u32] {
         let (packed, list) = (PackedState(&world.rows), &world.neighbours);
         let refinement = world.store.read(self.refinement);
+        let refinement = &refinement[..];
         let area = |i: usize| (packed.area(i), 1.0 - refinement[i]);
-        let is_uneven = |i: &u32| {
-            let own = area(*i as usize);
-            list.of(*i as usize).any(|number| excess(own, area(list.source(number))) != 0.0)
+        let is_uneven = |i: usize| {
+            let own = area(i);
+            list.of(i).any(|number| excess(own, area(list.source(number))) != 0.0)
         };
         let uneven = world.arena.alloc_slice_fill_copy(world.store.len(), 0);
+        parallel::for_chunks(uneven.len(), &mut uneven[..], |start, marks: &mut [u32]| {
+            for (k, mark) in marks.iter_mut().enumerate() {
+                *mark = u32::from(is_uneven(start + k));
+            }
+        });
+        // Those marked move up, in place.
         let mut count = 0;
-        for i in (0..uneven.len() as u32).filter(is_uneven) {
-            uneven[count] = i;
-            count += 1;
+        for i in 0..uneven.len() {
+            if uneven[i] != 0 {
+                uneven[count] = i as u32;
+                count += 1;
+            }
         }
         &uneven[..count]
     }

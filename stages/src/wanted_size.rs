@@ -4,6 +4,7 @@ use crate::equation_of_state::Packing;
 use crate::fields;
 use crate::size_evening::is_due;
 use crate::surface::for_surface;
+use meniscus_engine::parallel;
 use meniscus_engine::pipeline::{Fault, Stage, World};
 use meniscus_engine::store::{Read, Update};
 use meniscus_engine::wiring::Wiring;
@@ -101,19 +102,23 @@ impl WantedSize {
         let mut refinement = world.store.write(self.refinement);
         let last = &*world.arena.alloc_slice_fill_with(refinement.len(), |i| 1.0 - refinement[i]);
         let list = &world.neighbours;
-        let mut thin = thin.iter().peekable();
-        let mut least = 1.0_f64;
-        for (i, refinement) in refinement.iter_mut().enumerate() {
-            let own = match thin.next_if(|(particle, _)| *particle as usize == i) {
-                Some((_, area)) => area.max(last[i] / FALL),
-                None => 1.0,
-            };
-            let around = list.of(i).map(|number| last[list.source(number)]).fold(last[i], f64::min);
-            let wanted = own.min(GRADE * around);
-            *refinement = 1.0 - wanted;
-            least = least.min(wanted);
-        }
-        least
+        let body = |start: usize, refinement: &mut [f64], _: usize| {
+            let first = thin.partition_point(|(particle, _)| (*particle as usize) < start);
+            let mut thin = thin[first..].iter().peekable();
+            let mut least = 1.0_f64;
+            for (i, refinement) in (start..).zip(refinement) {
+                let own = match thin.next_if(|(particle, _)| *particle as usize == i) {
+                    Some((_, area)) => area.max(last[i] / FALL),
+                    None => 1.0,
+                };
+                let around = list.of(i).map(|number| last[list.source(number)]).fold(last[i], f64::min);
+                let wanted = own.min(GRADE * around);
+                *refinement = 1.0 - wanted;
+                least = least.min(wanted);
+            }
+            least
+        };
+        parallel::fold_chunks(last.len(), &mut refinement[..], &body, &f64::min)
     }
 }
 
