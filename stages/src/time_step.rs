@@ -27,6 +27,9 @@ const ATTACHED: f64 = 0.0625;
 /// before would count for several times as much.
 const LONGER: f64 = 1.5;
 
+/// How many times longer than at rest a step may be before the motion itself bounds it.
+const UNBOUND: f64 = 10.0;
+
 /// Limits of the time step.
 #[derive(Clone, Copy, Debug)]
 pub struct Courant {
@@ -45,6 +48,7 @@ pub struct TimeStep {
     courant: Courant,
     bad_state: BadState,
     radius: Read<f64>,
+    velocity: [Read<f64>; 2],
     strain_rate: Read<f64>,
     density: Read<f64>,
     mass: Read<f64>,
@@ -68,12 +72,21 @@ impl TimeStep {
             courant,
             bad_state: BadState::new(wiring, "time-step", courant.origin),
             radius: wiring.read(&fields::RADIUS),
+            velocity: fields::VELOCITY.map(|field| wiring.read(field)),
             strain_rate: wiring.read(&fields::STRAIN_RATE),
             density: wiring.read(&fields::DENSITY),
             mass: wiring.read(&fields::MASS),
             deficiency: with_ghosts.then(|| deficiency.map(|field| wiring.read(field))),
             sound_speed: SoundSpeed::new(wiring, constant_sound_speed),
         }
+    }
+
+    /// In how long the fastest particle moves by its size, s.
+    fn crossing(&self, world: &World) -> f64 {
+        let packed = PackedState(&world.rows);
+        let [u, w] = self.velocity.map(|field| world.store.read(field));
+        let (u, w) = (&u[..], &w[..]);
+        parallel::maximum(u.len(), |i| (u[i] * u[i] + w[i] * w[i]) / packed.area(i)).sqrt().recip()
     }
 
     /// The particle that sets the viscous bound.
@@ -110,6 +123,9 @@ impl ChunkStage for TimeStep {
     /// nobody touches, nor its own image, has its hoop terms alone: R takes the place of D, but no more than D at the start. (The swing is
     /// damped by the ghost with C/R, and stable up to C dt/R = .88. Without ghosts it would grow.) With the first ATTACHED of a
     /// full support D comes back. What flies so fast that it moves by more than its support in a step may pass through other spray.
+    ///
+    /// A gas without heat that moves as a whole has neither C nor d eps/dt. Where so little bounds a step no particle
+    /// moves farther than its size.
     fn chunk(&self, _: &Around, chunk: &Chunk) -> Partial {
         let (strain_rate, sound_speed) = (chunk.read(self.strain_rate), self.sound_speed.of(chunk));
         let [r, density, mass] = [self.radius, self.density, self.mass].map(|field| chunk.read(field));
@@ -162,12 +178,13 @@ impl ChunkStage for TimeStep {
     }
 
     fn finish(&mut self, world: &mut World, [largest, _]: Partial) -> Result<(), Fault> {
+        let at_rest = self.courant.number * self.courant.particle_size / self.courant.speed;
         let (before, stable) = (world.clock.previous_step_size, self.courant.number / largest.sqrt());
+        let stable = if stable > UNBOUND * at_rest { stable.min(self.crossing(world)) } else { stable };
         // Neither hides a NaN.
         let acoustic = if before > 0.0 && stable > LONGER * before { LONGER * before } else { stable };
         world.clock.limit("acoustic", acoustic);
         let step_size = world.clock.bound().map_or(acoustic, |bound| bound.step_size);
-        let at_rest = self.courant.number * self.courant.particle_size / self.courant.speed;
         if step_size > VANISHING * at_rest {
             return Ok(());
         }

@@ -55,6 +55,25 @@ fn a_gas_without_heat_starts_with_any_flux() {
     }
 }
 
+/// It has nothing that bounds a step where it moves as a whole, either: one of 47 Ts ended the run.
+#[test]
+fn a_gas_without_heat_that_moves_as_a_whole_takes_steps_as_long_as_its_particles() {
+    for flux in ["first-order", "reconstructed"] {
+        let flux = format!("method.flux={flux}");
+        let scene = drops::scene(NOH, &["body.0.velocity.r=0 m/s", "body.0.velocity.z=1 m/s", &flux]);
+        let simulation = run(&scene);
+        let clock = &simulation.world.clock;
+        assert!(
+            clock.time < scene.until + 0.021 && clock.step >= 28,
+            "{} s, {} steps",
+            clock.time,
+            clock.step
+        );
+        let density = column(&simulation, "density");
+        assert!(density.iter().all(|density| (density - 1.0).abs() < 1e-9), "{density:?}");
+    }
+}
+
 #[test]
 fn a_cold_gas_is_stopped_by_the_shock_of_nohs_problem() {
     for heat in ["heat=\"0 J/kg\"", "heat=\"1e-6 J/kg\""] {
