@@ -81,14 +81,6 @@ impl TimeStep {
         }
     }
 
-    /// In how long the fastest particle moves by its size, s.
-    fn crossing(&self, world: &World) -> f64 {
-        let packed = PackedState(&world.rows);
-        let [u, w] = self.velocity.map(|field| world.store.read(field));
-        let (u, w) = (&u[..], &w[..]);
-        parallel::maximum(u.len(), |i| (u[i] * u[i] + w[i] * w[i]) / packed.area(i)).sqrt().recip()
-    }
-
     /// The particle that sets the viscous bound.
     fn most_viscous(&self, world: &World) -> usize {
         let packed = PackedState(&world.rows);
@@ -100,8 +92,12 @@ impl TimeStep {
 /// In how many steps as long as the last one the fastest particle moves no farther than a distance in m; velocities in
 /// m/s, and bounds as in [`Clock::steps_within`].
 pub(crate) fn steps_to_move(clock: &Clock, [u, w]: [&[f64]; 2], distance: f64, bounds: [u64; 2]) -> u64 {
-    let fastest = parallel::maximum(u.len(), |i| u[i] * u[i] + w[i] * w[i]).sqrt();
-    clock.steps_within(distance / fastest, bounds)
+    clock.steps_within(distance / fastest([u, w]), bounds)
+}
+
+/// The greatest speed, m/s.
+fn fastest([u, w]: [&[f64]; 2]) -> f64 {
+    parallel::maximum(u.len(), |i| u[i] * u[i] + w[i] * w[i]).sqrt()
 }
 
 /// The particle with the largest value.
@@ -125,7 +121,7 @@ impl ChunkStage for TimeStep {
     /// full support D comes back. What flies so fast that it moves by more than its support in a step may pass through other spray.
     ///
     /// A gas without heat that moves as a whole has neither C nor d eps/dt. Where so little bounds a step no particle
-    /// moves farther than its size.
+    /// moves farther than a particle's size at the start.
     fn chunk(&self, _: &Around, chunk: &Chunk) -> Partial {
         let (strain_rate, sound_speed) = (chunk.read(self.strain_rate), self.sound_speed.of(chunk));
         let [r, density, mass] = [self.radius, self.density, self.mass].map(|field| chunk.read(field));
@@ -180,7 +176,12 @@ impl ChunkStage for TimeStep {
     fn finish(&mut self, world: &mut World, [largest, _]: Partial) -> Result<(), Fault> {
         let at_rest = self.courant.number * self.courant.particle_size / self.courant.speed;
         let (before, stable) = (world.clock.previous_step_size, self.courant.number / largest.sqrt());
-        let stable = if stable > UNBOUND * at_rest { stable.min(self.crossing(world)) } else { stable };
+        let stable = if stable > UNBOUND * at_rest {
+            let [u, w] = self.velocity.map(|field| world.store.read(field));
+            stable.min(self.courant.particle_size / fastest([&u, &w]))
+        } else {
+            stable
+        };
         // Neither hides a NaN.
         let acoustic = if before > 0.0 && stable > LONGER * before { LONGER * before } else { stable };
         world.clock.limit("acoustic", acoustic);
