@@ -81,7 +81,7 @@ impl Stage for Drops {
 }
 
 /// Number of drops that particles are numbered by, at least one.
-pub(crate) fn count(drop: &[u32]) -> usize {
+pub fn count(drop: &[u32]) -> usize {
     let most = |_: usize, drop: &[u32], _: usize| drop.iter().copied().fold(0, u32::max);
     parallel::fold_chunks(drop.len(), drop, &most, &u32::max) as usize + 1
 }

@@ -11,6 +11,7 @@ use crate::simulation::Simulation;
 use meniscus_engine::field::Field;
 use meniscus_engine::lanes::{Lanes, WIDTH};
 use meniscus_engine::parallel;
+use meniscus_stages::drops::count;
 use meniscus_stages::fields;
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -91,8 +92,7 @@ impl Particles<'_> {
 
     /// Mass, axial momentum and volume of each drop.
     fn drops(&self) -> Vec<[f64; 3]> {
-        let count =
-            self.drop.map_or(1, |drop| drop.iter().fold(0, |most, drop| most.max(*drop)) as usize + 1);
+        let count = self.drop.map_or(1, count);
         let body = |start: usize, (), len: usize| {
             let mut drops = vec![[0.0; 3]; count];
             for i in start..start + len {
