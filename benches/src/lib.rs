@@ -10,7 +10,7 @@ pub mod physics;
 static MEMORY: meniscus_engine::memory::StaggeredMemory = meniscus_engine::memory::StaggeredMemory::new();
 
 use meniscus_cases::scene::{self, Scene};
-use meniscus_cases::simulation::Simulation;
+use meniscus_cases::simulation::{Simulation, to_the_end};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 const DROP: &str = include_str!("../../cases/oscillating-drop/scene.toml");
@@ -44,7 +44,7 @@ fn read(text: &str, settings: &[&str]) -> Scene {
 /// # Panics
 /// If it can't be started.
 pub fn start(scene: &Scene) -> Simulation {
-    Simulation::new(scene, &mut |_| {}).unwrap_or_else(|error| panic!("{error}"))
+    Simulation::new(scene, &mut to_the_end).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Takes steps.

@@ -14,7 +14,7 @@ use meniscus_engine::pipeline::{Cost, Fault, Pipeline, World};
 use meniscus_engine::wiring::WiringError;
 use meniscus_stages::fields;
 use meniscus_stages::liquids::{IdealGas, Linear, MieGrueneisen};
-pub use start::FillProgress;
+pub use start::{FillProgress, to_the_end};
 
 /// Why a scene can't be set in motion.
 #[derive(Debug, thiserror::Error)]
@@ -22,6 +22,9 @@ pub enum StartError {
     /// A body can't be filled.
     #[error("{0}")]
     Packing(Diagnosis),
+    /// Whoever followed the filling did not want it to go on.
+    #[error("stopped while the particles were placed")]
+    Stopped,
     /// The pipeline is wired wrongly, which is a mistake in Meniscus.
     #[error("the pipeline is wired wrongly: {0}")]
     Wiring(#[from] WiringError),

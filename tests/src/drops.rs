@@ -1,7 +1,7 @@
 //! Drops as scenes, and what tests measure of them.
 
 use meniscus_cases::scene::{Scene, parse};
-use meniscus_cases::simulation::Simulation;
+use meniscus_cases::simulation::{Simulation, to_the_end};
 use meniscus_engine::field::{Role, Values};
 
 /// A drop that oscillates in mode 2: 12 particles across its radius.
@@ -72,7 +72,7 @@ pub fn drop(settings: &[&str]) -> Scene {
 /// # Panics
 /// If it cannot be set in motion.
 pub fn start(scene: &Scene) -> Simulation {
-    match Simulation::new(scene, &mut |_| {}) {
+    match Simulation::new(scene, &mut to_the_end) {
         Ok(simulation) => simulation,
         Err(error) => panic!("{error}"),
     }

@@ -27,8 +27,9 @@ Examples:
   meniscus run drop.toml --steps 100 --overwrite
   meniscus run drop.toml --profile                           speeds of all stages, and a trace
 
-Ctrl-C stops after a checkpoint (while particles are placed, after the first one), a second Ctrl-C at
-once: `meniscus resume` then goes on from the checkpoint before. SIGUSR1 writes one and goes on.
+Ctrl-C stops after a checkpoint, a second Ctrl-C at once: `meniscus resume` then goes on from the checkpoint
+before. (While particles are placed the first one stops, and `resume` places them anew.) SIGUSR1 writes a
+checkpoint and goes on.
 Exit codes: 0 done; 1 blew up; 2 bad input; 130 interrupted.";
 
 const RESUME_EXAMPLES: &str = "\

@@ -19,6 +19,8 @@ pub(crate) struct Failure {
 const FAILED: u8 = 1;
 /// What other input would mend.
 const BAD_INPUT: u8 = 2;
+/// What somebody stopped.
+pub(crate) const INTERRUPTED: u8 = 130;
 
 impl Failure {
     /// Something that the user has to change.
@@ -29,6 +31,16 @@ impl Failure {
     /// Something that went wrong on the way.
     pub(crate) fn on_the_way(sentence: impl Into<String>) -> Self {
         Self::of(sentence.into(), FAILED)
+    }
+
+    /// A stop that somebody asked for.
+    pub(crate) fn interrupted(sentence: impl Into<String>) -> Self {
+        Self::of(sentence.into(), INTERRUPTED)
+    }
+
+    /// Whether somebody asked for it.
+    pub(crate) fn is_interruption(&self) -> bool {
+        self.code == INTERRUPTED
     }
 
     fn of(sentence: String, code: u8) -> Self {
@@ -52,6 +64,7 @@ impl From<StartError> for Failure {
     fn from(error: StartError) -> Self {
         let code = match error {
             StartError::Packing(diagnosis) => return diagnosis.into(),
+            StartError::Stopped => INTERRUPTED,
             StartError::Checkpoint(_) => BAD_INPUT,
             StartError::Wiring(_) | StartError::FirstState(_) => FAILED,
         };

@@ -378,26 +378,34 @@ fn an_interrupted_run_stops_after_a_checkpoint() {
 
 #[cfg(unix)]
 #[test]
-fn an_interruption_while_particles_are_placed_is_told_at_once_and_a_second_one_stops() {
+fn an_interruption_while_particles_are_placed_stops_and_keeps_what_is_there() {
     use std::io::{BufRead, BufReader};
     let place = Place::new();
-    let mut child = Command::new(env!("CARGO_BIN_EXE_meniscus"))
-        .args(["run", "drop.toml", "--out", "run", "--set", "particles.size=3 nm"])
-        .current_dir(place.folder.path())
-        .stderr(std::process::Stdio::piped())
-        .spawn()
-        .unwrap();
-    let identity = child.id().to_string();
-    let interrupt = || Command::new("kill").args(["-INT", &identity]).status().unwrap();
-    let mut lines = BufReader::new(child.stderr.take().unwrap()).lines().map(Result::unwrap);
-    // The next one comes when the particles are placed, or of their progress.
-    lines.find(|line| line.starts_with("results in")).unwrap();
-    interrupt();
-    let told = lines.find(|line| !line.contains("placing particles:")).unwrap();
-    assert!(told.starts_with("interrupted: ") && told.contains("again to stop it at once"), "{told}");
-    interrupt();
-    assert_eq!(child.wait().unwrap().code(), Some(130));
+    let interrupted = |out: &str, more: &[&str]| {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_meniscus"))
+            .args(["run", "drop.toml", "--out", out, "--set", "particles.size=1.5 nm"])
+            .args(more)
+            .current_dir(place.folder.path())
+            .stderr(std::process::Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut lines = BufReader::new(child.stderr.take().unwrap()).lines().map(Result::unwrap);
+        lines.find(|line| line.starts_with("results in")).unwrap();
+        assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+        let told: Vec<String> = lines.filter(|line| !line.contains("placing particles:")).collect();
+        assert_eq!(child.wait().unwrap().code(), Some(130));
+        // Long lines are broken.
+        told.join("").replace("  │", "")
+    };
+    // A new folder holds the scene, with which the run begins anew.
+    let told = interrupted("run", &[]);
+    assert!(told.contains("were placed") && told.contains("`meniscus resume run`"), "{told}");
     assert!(!place.path("run/series.csv").exists() && place.path("run/scene.toml").exists());
+    // In one that holds a run this stays.
+    place.expect(0, &["run", "drop.toml", "--out", "earlier", "--steps", "2", "-q"]);
+    let told = interrupted("earlier", &["--overwrite"]);
+    assert!(told.contains("the earlier run in `earlier` stays"), "{told}");
+    place.expect(0, &["inspect", "fields", "earlier"]);
 }
 
 #[test]

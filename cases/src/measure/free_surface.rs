@@ -209,7 +209,7 @@ mod tests {
     use super::*;
     use crate::measure::{History, Observer};
     use crate::scene::{Scene, parse};
-    use crate::simulation::Simulation;
+    use crate::simulation::{Simulation, to_the_end};
     use meniscus_stages::surface::INSIDE;
 
     /// A scene of particles of 50 nm, at its start.
@@ -219,7 +219,7 @@ mod tests {
              [particles]\nsize = \"50 nm\"\n[run]\nuntil = \"1 us\"\n"
         );
         let scene = parse("surface.toml", &scene, &[]).unwrap();
-        let simulation = Simulation::new(&scene, &mut |_| {}).unwrap();
+        let simulation = Simulation::new(&scene, &mut to_the_end).unwrap();
         (scene, simulation)
     }
 

@@ -333,6 +333,7 @@ fn solid_harmonic(degree: u32, [r, z]: [Lanes; 2]) -> Lanes {
 mod tests {
     use super::*;
     use crate::scene::{legendre, parse};
+    use crate::simulation::to_the_end;
     use meniscus_engine::pipeline::World;
 
     /// The amplitude of a drop of 1 mm radius, elongated a tenth, in a scene with more to it: at the start, and when it has
@@ -345,7 +346,7 @@ mod tests {
              [[measure]]\noscillation = {{ mode = 2, radius = \"1 mm\", centre = \"{centre}\" }}\n"
         );
         let scene = parse("drop.toml", &text, &[]).unwrap();
-        let mut simulation = Simulation::new(&scene, &mut |_| {}).unwrap();
+        let mut simulation = Simulation::new(&scene, &mut to_the_end).unwrap();
         let observer = Observer::new(&scene, &simulation);
         let column =
             observer.quantities().iter().position(|quantity| quantity.name == "mode amplitude").unwrap();

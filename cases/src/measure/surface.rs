@@ -103,7 +103,7 @@ fn deformation(mode: u32, amplitude: f64) -> f64 {
 mod tests {
     use crate::measure::Observer;
     use crate::scene::parse;
-    use crate::simulation::Simulation;
+    use crate::simulation::{Simulation, to_the_end};
 
     /// Energy of the surface at the start, over that of a sphere of 1 mm radius.
     fn energy(shape: &str, measures: &str) -> f64 {
@@ -112,7 +112,7 @@ mod tests {
              [particles]\nsize = \"0.15 mm\"\n[run]\nuntil = \"15 ms\"\n{measures}"
         );
         let scene = parse("drop.toml", &text, &[]).unwrap();
-        let simulation = Simulation::new(&scene, &mut |_| {}).unwrap();
+        let simulation = Simulation::new(&scene, &mut to_the_end).unwrap();
         let observer = Observer::new(&scene, &simulation);
         let column =
             observer.quantities().iter().position(|quantity| quantity.name == "surface energy").unwrap();

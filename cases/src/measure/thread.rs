@@ -124,7 +124,7 @@ mod tests {
     use crate::measure::curve::at;
     use crate::measure::{Observer, Quantity};
     use crate::scene::{EquationOfState, parse};
-    use crate::simulation::Simulation;
+    use crate::simulation::{Simulation, to_the_end};
 
     const WATER: Liquid = Liquid {
         density: 1000.0,
@@ -171,7 +171,7 @@ mod tests {
              [[measure]]\npinch-off = {{ radius = \"1 um\", wavenumber = 0.6, speed = \"1 m/s\" }}\n"
         );
         let scene = parse("thread.toml", &scene, &[]).unwrap();
-        let simulation = Simulation::new(&scene, &mut |_| {}).unwrap();
+        let simulation = Simulation::new(&scene, &mut to_the_end).unwrap();
         let row = Observer::new(&scene, &simulation).observe(&simulation);
         let found = row[row.len() - 1] / 0.8e-6;
         assert!((0.98..1.005).contains(&found), "{found}");

@@ -26,6 +26,7 @@ mod tests;
 use crate::region::Region;
 use domain::{Domain, Point};
 use std::f64::consts::TAU;
+use std::ops::ControlFlow;
 
 /// Particles that fill a region: positions in metres and areas in square metres.
 #[derive(Debug, Clone, PartialEq)]
@@ -113,6 +114,9 @@ pub enum PackingError {
         /// Volume they should share, in cubic metres.
         expected: f64,
     },
+    /// Whoever followed the progress did not want it to go on.
+    #[error("stopped before the region was filled")]
+    Stopped,
 }
 
 /// A larger number is taken for a mistake in the particle size.
@@ -169,40 +173,50 @@ impl Filling {
     }
 
     /// Relaxes all that move, and then lifts or lowers the outermost layer until the contour is at the boundary.
-    fn settle(&mut self, domain: &Domain, options: &PackingOptions, volume: f64, moved: &mut dyn FnMut()) {
+    fn settle(
+        &mut self,
+        domain: &Domain,
+        options: &PackingOptions,
+        volume: f64,
+        moved: &mut dyn FnMut() -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
         let surroundings = relax::surroundings(domain, &self.met);
-        relax::relax(domain, (&mut self.moving, &surroundings), options.iterations, moved);
+        relax::relax(domain, (&mut self.moving, &surroundings), options.iterations, moved)?;
         let (mut layer, outside) = (relax::DEPTH, level::outside(domain));
         for _ in 0..LEVELLINGS {
             let area = self.area(options, volume);
             layer -= level::gap(domain, (&self.moving, &self.met), &outside, area);
             // In a body of a few particles there is no layer to speak of.
             layer = layer.clamp(relax::DEPTH - MOST_LIFT, relax::DEPTH + MOST_LIFT);
-            relax::go_on(domain, (&mut self.moving, &surroundings), (options.levelling(), layer), moved);
+            relax::go_on(domain, (&mut self.moving, &surroundings), (options.levelling(), layer), moved)?;
         }
+        ControlFlow::Continue(())
     }
 }
 
 /// Fills `region` with particles of equal area, but for some per cent at its boundary. `progress` is told which
-/// part of that is done, from 0 to 1.
+/// part of that is done, from 0 to 1, and says whether to go on.
 ///
 /// # Errors
 /// Options or a region that make no sense, no or too many particles, or particles at area D^2 whose
-/// volume is more than 2 % (and the rounding to whole particles) off the region's.
+/// volume is more than 2 % (and the rounding to whole particles) off the region's; or it was not to go on.
 pub fn pack(
     region: &dyn Region,
     options: &PackingOptions,
-    progress: &mut dyn FnMut(f64),
+    progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<Packing, PackingError> {
     let domain = Domain::new(region, options)?;
     let expected = options.volume.unwrap_or_else(|| region.volume());
     let mut filling = Filling::start(&domain, options);
     let steps = options.iterations + LEVELLINGS * options.levelling();
     let mut done = 0;
-    filling.settle(&domain, options, expected, &mut || {
+    let settled = filling.settle(&domain, options, expected, &mut || {
         done += 1;
-        progress(done as f64 / steps as f64);
+        progress(done as f64 / steps as f64)
     });
+    if settled.is_break() {
+        return Err(PackingError::Stopped);
+    }
     let area = filling.area(options, expected);
     let mut shares = vec![1.0; filling.still.len()];
     shares.extend(share::shares(&domain, &filling.moving, &filling.met, area));

@@ -15,6 +15,7 @@ use super::domain::{Domain, Point, Source};
 use meniscus_engine::lanes::Lanes;
 use rayon::prelude::*;
 use std::f64::consts::PI;
+use std::ops::ControlFlow;
 
 /// Largest support radius of the kernel, and so the reach of dust and images, in particle sizes.
 pub(super) const REACH: f64 = 2.8;
@@ -57,14 +58,14 @@ pub(super) fn surroundings(domain: &Domain, fixed: &[Point]) -> Vec<Source> {
     sources
 }
 
-/// Moves particles among their surroundings. `moved` is called after each iteration.
+/// Moves particles among their surroundings. `moved` is called after each iteration, and says whether to go on.
 pub(super) fn relax(
     domain: &Domain,
     bodies: (&mut [Point], &[Source]),
     iterations: usize,
-    moved: &mut dyn FnMut(),
-) {
-    run(domain, bodies, &STAGES, (iterations, DEPTH), moved);
+    moved: &mut dyn FnMut() -> ControlFlow<()>,
+) -> ControlFlow<()> {
+    run(domain, bodies, &STAGES, (iterations, DEPTH), moved)
 }
 
 /// Goes on from where [`relax`] ended, with the outermost layer at another depth.
@@ -72,9 +73,9 @@ pub(super) fn go_on(
     domain: &Domain,
     bodies: (&mut [Point], &[Source]),
     (iterations, depth): (usize, f64),
-    moved: &mut dyn FnMut(),
-) {
-    run(domain, bodies, &[Stage { share: 1.0, ..STAGES[2] }], (iterations, depth), moved);
+    moved: &mut dyn FnMut() -> ControlFlow<()>,
+) -> ControlFlow<()> {
+    run(domain, bodies, &[Stage { share: 1.0, ..STAGES[2] }], (iterations, depth), moved)
 }
 
 fn run(
@@ -82,8 +83,8 @@ fn run(
     (points, surroundings): (&mut [Point], &[Source]),
     stages: &[Stage],
     (iterations, layer): (usize, f64),
-    moved: &mut dyn FnMut(),
-) {
+    moved: &mut dyn FnMut() -> ControlFlow<()>,
+) -> ControlFlow<()> {
     let (mut sources, mut cells) = (Vec::new(), Cells::default());
     // A lower bound of each particle's depth: only those that may be too shallow are looked up.
     let mut depths = vec![0.0; points.len()];
@@ -108,9 +109,10 @@ fn run(
                 wrap(domain, point, step);
             });
             done += 1;
-            moved();
+            moved()?;
         }
     }
+    ControlFlow::Continue(())
 }
 
 /// `sum V grad W` at `point`, with the planar Wendland C2 kernel; it points to the neighbours. Eight sources are

@@ -3,6 +3,7 @@
 
 use super::domain::{Domain, Point};
 use super::relax::{relax, surroundings};
+use std::ops::ControlFlow;
 
 /// Half width of the jitter in lattice spacings. A uniform jitter of a whole (or half) spacing has
 /// no Bragg peak left: nothing of the lattice survives as a preferred direction. At half a spacing
@@ -58,7 +59,9 @@ pub(super) fn settled_points(
 ) -> Vec<Point> {
     let plane = Domain::tile(TILE);
     let mut tile = points(&plane, seed, plane.count, |_| true);
-    relax(&plane, (&mut tile, &surroundings(&plane, &[])), iterations, &mut || ());
+    let go_on = &mut || ControlFlow::Continue(());
+    // Nobody stops it.
+    let _ = relax(&plane, (&mut tile, &surroundings(&plane, &[])), iterations, go_on);
     let [r_min, r_max, z_min, z_max] = domain.bounds;
     let copies = |width: f64| (width / TILE as f64).ceil() as usize;
     let (columns, rows) = (copies(r_max - r_min), copies(z_max - z_min));

@@ -2,23 +2,29 @@
 
 use super::{Simulation, StartError};
 use crate::assemble::Physics;
-use crate::packing::{PackingOptions, pack};
+use crate::packing::{PackingError, PackingOptions, pack};
 use crate::region::Region;
 use crate::scene::{Body, Scene};
 use crate::shape::Endless;
 use meniscus_engine::store::Store;
 use meniscus_stages::fields;
 use std::f64::consts::PI;
+use std::ops::ControlFlow;
 
-/// Told while bodies are filled: the part of it that is done, from 0 to 1.
-pub type FillProgress<'a> = &'a mut dyn FnMut(f64);
+/// Told while bodies are filled: the part of it that is done, from 0 to 1. Says whether to go on.
+pub type FillProgress<'a> = &'a mut dyn FnMut(f64) -> ControlFlow<()>;
+
+/// What nobody follows goes on.
+pub fn to_the_end(_: f64) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
 
 impl Simulation {
     /// Fills the scene's bodies with particles and gives them their initial velocities (method.md, section 10,
     /// "Packing").
     ///
     /// # Errors
-    /// A body that can't be filled, or a first state that is none.
+    /// A body that can't be filled, or a first state that is none; or it was not to go on.
     pub fn new(scene: &Scene, progress: FillProgress) -> Result<Self, StartError> {
         let physics = Physics::of(scene);
         let seeds = fill(scene, physics.equation.with_energy(), progress)?;
@@ -81,7 +87,10 @@ fn fill(scene: &Scene, with_energy: bool, progress: FillProgress) -> Result<Seed
             Some(period) => pack(&Endless::new(&body.shape, period), &options, progress),
             None => pack(&body.shape, &options, progress),
         };
-        let packing = packing.map_err(|source| StartError::Packing(scene.unfilled[k].because(source)))?;
+        let packing = packing.map_err(|source| match source {
+            PackingError::Stopped => StartError::Stopped,
+            source => StartError::Packing(scene.unfilled[k].because(source)),
+        })?;
         before += here;
         let density = body.density.unwrap_or(scene.liquid.density);
         for ((r, z), area) in packing.r.into_iter().zip(packing.z).zip(packing.area) {

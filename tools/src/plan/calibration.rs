@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use meniscus_cases::measure::Observer;
 use meniscus_cases::scene::Scene;
-use meniscus_cases::simulation::Simulation;
+use meniscus_cases::simulation::{Simulation, to_the_end};
 
 use crate::failure::Failure;
 use crate::memory;
@@ -45,7 +45,7 @@ impl Calibration {
 pub(super) fn calibrate(scene: &Scene) -> Result<Calibration, Failure> {
     memory::check(scene)?;
     let begun = Instant::now();
-    let mut simulation = Simulation::new(scene, &mut |_| ())?;
+    let mut simulation = Simulation::new(scene, &mut to_the_end)?;
     let start_seconds = begun.elapsed().as_secs_f64();
     let trial = Trial::run(scene, &mut simulation)?;
     let picture_seconds = pictures(scene, &simulation)?;

@@ -11,17 +11,18 @@ mod resume;
 mod signals;
 mod stopwatch;
 
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 
 use meniscus_cases::scene::{self, Scene};
-use meniscus_cases::simulation::Simulation;
+use meniscus_cases::simulation::{Simulation, StartError};
 use meniscus_engine::checkpoint::Checkpoint;
 use meniscus_engine::pipeline::Fault;
 
 use crate::command::{RunArguments, pool, print};
-use crate::failure::Failure;
+use crate::failure::{Failure, INTERRUPTED};
 use crate::memory;
 use crate::output::folder::RunFolder;
 use crate::output::progress::Progress;
@@ -33,7 +34,7 @@ use profile::Profiler;
 use recorder::Recorder;
 pub(crate) use recorder::observed_every;
 pub(crate) use resume::{resume, same_scene};
-pub(crate) use signals::{INTERRUPTED, Signals};
+pub(crate) use signals::Signals;
 use stopwatch::{Moment, Stopwatch};
 
 /// A number of the clock, which checkpoints carry on: that of the particles at the start.
@@ -184,39 +185,51 @@ impl Run {
         }
     }
 
-    /// Fills the bodies with particles.
-    fn fill(&self) -> Result<Simulation, Failure> {
+    /// Fills the bodies with particles. An interruption leaves what stands in the folder: the scene, or an earlier run that
+    /// this one `replaces`.
+    fn fill(&self, replaces: bool) -> Result<Simulation, Failure> {
+        let folder = self.folder.path().display();
         memory::check(&self.scene)?;
         let mut progress = match &self.display {
             Display::Quiet => Progress::quiet(),
             Display::Alone => Progress::of_part("placing particles"),
             Display::Among { name, .. } => Progress::of_part(&format!("{name}: placing particles")),
         };
-        let mut told = false;
-        Ok(Simulation::new(&self.scene, &mut |part| {
+        let simulation = Simulation::new(&self.scene, &mut |part| {
             progress.update_part(part);
-            if self.signals.stop() && !std::mem::replace(&mut told, true) {
-                progress.message(
-                    "interrupted: the run stops once the particles are placed, after its first checkpoint; \
-                     interrupt it again to stop it at once",
-                );
-            }
-        })?)
+            if self.signals.stop() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        });
+        simulation.map_err(|error| match error {
+            StartError::Stopped => Failure::interrupted(format!(
+                "interrupted while the particles were placed; {}",
+                if replaces {
+                    format!("the earlier run in `{folder}` stays as it was")
+                } else {
+                    format!("`meniscus resume {folder}` places them anew")
+                }
+            )),
+            error => error.into(),
+        })
     }
 
     /// Begins the run, and goes to its end. An earlier run in the folder stays until the particles are placed:
-    /// not before is it known that the scene can run. Where there is none the scene comes first: a run that is killed
+    /// not before is it known that the scene can run. Where there is none the scene comes first: a run that is stopped
     /// while it places them can be resumed.
     fn begin(&self) -> Result<Summary, Failure> {
         let mut filling = Stopwatch::default();
         let simulation = if self.folder.is_begun() {
-            let simulation = filling.time(|| self.fill())?;
+            let simulation = filling.time(|| self.fill(true))?;
             self.folder.clear()?;
             simulation
         } else {
             self.folder.clear()?;
             self.folder.write_scene(&self.scene.text)?;
-            filling.time(|| self.fill()).inspect_err(|_| self.folder.give_up())?
+            let simulation = filling.time(|| self.fill(false));
+            simulation.inspect_err(|failure| {
+                if !failure.is_interruption() {
+                    self.folder.give_up();
+                }
+            })?
         };
         self.go(simulation, filling)
     }
@@ -225,7 +238,7 @@ impl Run {
     fn take_up(&self, start: Start) -> Result<Summary, Failure> {
         let mut filling = Stopwatch::default();
         let simulation = match start {
-            Start::Scene => filling.time(|| self.fill())?,
+            Start::Scene => filling.time(|| self.fill(false))?,
             Start::Running(checkpoint) => Simulation::resume(&self.scene, &checkpoint)?,
         };
         self.go(simulation, filling)

@@ -7,15 +7,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 
+use crate::failure::INTERRUPTED;
+
 /// What the user has asked for since the run began.
 #[derive(Clone)]
 pub(crate) struct Signals {
     stop: Arc<AtomicBool>,
     checkpoint: Arc<AtomicBool>,
 }
-
-/// Exit code after an interruption.
-pub(crate) const INTERRUPTED: u8 = 130;
 
 impl Signals {
     /// From now on signals are noted. A second SIGINT or SIGTERM ends the process at once.

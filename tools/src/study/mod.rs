@@ -11,9 +11,8 @@ use std::process::ExitCode;
 use meniscus_cases::scene::Diagnosis;
 
 use crate::command::{pool, print};
-use crate::failure::Failure;
+use crate::failure::{Failure, INTERRUPTED};
 use crate::output::summary::Status;
-use crate::run::INTERRUPTED;
 use batch::{Job, prepare, run_all};
 use results::Results;
 use variation::{Variation, combinations};

@@ -8,11 +8,10 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use crate::command::{pool, print};
-use crate::failure::Failure;
+use crate::failure::{Failure, INTERRUPTED};
 use crate::output::OutputError;
 use crate::output::report::{write_chart, write_page};
 use crate::output::summary::Status;
-use crate::run::INTERRUPTED;
 use crate::study::batch::{Job, prepare, run_all};
 use catalogue::Level;
 use judge::judge;

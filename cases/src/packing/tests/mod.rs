@@ -9,13 +9,14 @@ use meniscus_stages::colour_field::ColourField;
 use meniscus_stages::surface_points::Particles;
 use shapes::{Cylinder, Disc};
 use std::f64::consts::PI;
+use std::ops::ControlFlow;
 
 const SIZE: f64 = 1e-6;
 
 const SPHERE: Disc = Disc { centre: 0.0, radius: 12.0 * SIZE };
 
 fn pack(region: &dyn Region, options: &PackingOptions) -> Result<Packing, PackingError> {
-    super::pack(region, options, &mut |_| ())
+    super::pack(region, options, &mut |_| ControlFlow::Continue(()))
 }
 
 fn depths(packing: &Packing, region: &dyn Region) -> Vec<f64> {

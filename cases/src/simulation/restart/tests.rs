@@ -1,5 +1,6 @@
 use super::*;
 use crate::scene::parse;
+use crate::simulation::to_the_end;
 
 const DROP: &str = r#"format = 1
 [liquid]
@@ -20,7 +21,7 @@ fn scene(set: &[&str]) -> Scene {
 }
 
 fn start(scene: &Scene) -> Simulation {
-    Simulation::new(scene, &mut |_| {}).unwrap()
+    Simulation::new(scene, &mut to_the_end).unwrap()
 }
 
 fn run(mut simulation: Simulation, steps: u64) -> Simulation {
