@@ -140,18 +140,20 @@ impl CurvatureColour {
         });
     }
 
-    /// Spray has no Laplace pressure.
+    /// Spray has no Laplace pressure, nor does it take another drop's.
     fn leave_out_spray(&mut self, world: &World) {
         let drop = world.store.read(self.drop);
         if count(&drop) == 1 && drop.len() >= FEWEST as usize {
             return;
         }
         let particles = particles_of_drops(&drop, &world.arena);
-        for (k, &i) in self.boundary.iter().enumerate() {
-            if particles[drop[i as usize] as usize] < FEWEST {
-                self.found[k].curvature = 0.0;
+        let is_spray = |i: u32| particles[drop[i as usize] as usize] < FEWEST;
+        for (found, &i) in self.found.iter_mut().zip(&self.boundary) {
+            if is_spray(i) {
+                found.curvature = 0.0;
             }
         }
+        self.near_boundary.retain(|&i| !is_spray(i));
     }
 
     /// Sets the Laplace pressure, and its rate where it was known before.
@@ -261,6 +263,9 @@ impl CurvatureColour {
         let (near, boundary, found) = (&self.neighbours, &self.boundary[..], &self.found[..]);
         let tension = self.settings.tension.surface_tension;
         let slope = |k: usize| {
+            if !found[k].tells_pressure() {
+                return 0.0;
+            }
             let own = packed.size(boundary[k] as usize).min(largest);
             let there = |member: u32| {
                 let other = near.source(member as usize);

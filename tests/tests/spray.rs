@@ -1,5 +1,6 @@
 //! Spray: particles that nobody touches, on their way outward and into the axis.
 
+use meniscus_tests::drops;
 use meniscus_tests::liquid::{self, Block, DENSITY, Random, SIZE, SOUND_SPEED};
 use meniscus_tests::reference::Particle;
 use std::f64::consts::PI;
@@ -89,5 +90,28 @@ fn a_ring_that_runs_into_the_axis_stops_before_it() {
         let distance = r / (mass / (2.0 * PI * r * density)).sqrt();
         // Within one step its density may change.
         assert!(distance > 0.09, "{distance} sizes from the axis");
+    }
+}
+
+/// A particle beside a drop, out of its reach: the drop's Laplace pressure, fitted along its surface, would drive it.
+#[test]
+fn a_drop_near_by_does_not_drive_spray() {
+    let mut simulation = drops::start(&drops::drop(&[]));
+    let z = drops::column(&simulation, "axial");
+    let top = (0..z.len()).max_by(|&a, &b| z[a].total_cmp(&z[b])).unwrap();
+    let thrown = drops::identities(&simulation)[top];
+    let size = (drops::column(&simulation, "mass")[top]
+        / (2.0 * PI * 1000.0 * drops::column(&simulation, "radius")[top]))
+        .sqrt();
+    simulation.world.store.by_name_mut::<f64>("axial").unwrap()[top] += 2.0 * size;
+    for _ in 0..3 {
+        drops::advance(&mut simulation, 8);
+        let spray = drops::identities(&simulation).iter().position(|&identity| identity == thrown).unwrap();
+        let drop = simulation.world.store.by_name::<u32>("drop").unwrap().to_vec();
+        assert!(drop.iter().enumerate().all(|(i, &d)| i == spray || d != drop[spray]), "it touches nobody");
+        let [pressures, slopes] =
+            ["laplace_pressure", "laplace_slope"].map(|name| drops::column(&simulation, name));
+        assert_eq!([pressures[spray], slopes[spray]], [0.0; 2]);
+        assert!(slopes.iter().any(|&slope| slope != 0.0), "the drop has slopes");
     }
 }
