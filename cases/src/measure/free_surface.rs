@@ -33,7 +33,7 @@ const STEEP: f64 = 2.0;
 pub(super) fn area(store: &Store, physics: &Physics) -> Option<f64> {
     let (size, origin) = (physics.particle_size, physics.domain.origin);
     let (r, z) = feet(store)?;
-    let spots = merged(&r, &z, &sizes(store, origin)?, MERGED * size);
+    let spots = merged([&r, &z, &sizes(store, origin)?], MERGED * size, &physics.domain);
     Some(Points::new(spots, REACH * size, &physics.domain).area(origin))
 }
 
@@ -68,14 +68,16 @@ fn with_surface(store: &Store) -> Option<Vec<usize>> {
 /// Points of the surface, m: r, z and the sizes of their particles.
 type Spots = [Vec<f64>; 3];
 
-/// Points with particles of the given sizes, m, without those that lie within `distance` m of one before.
-fn merged(r: &[f64], z: &[f64], sizes: &[f64], distance: f64) -> Spots {
-    let mut bins = Bins::default();
-    bins.build(r, z, distance);
-    let mut is_kept = vec![true; r.len()];
-    for point in 0..r.len() {
+/// The points, without those that lie within `distance` m of one before, or of an image of it.
+fn merged([r, z, sizes]: [&[f64]; 3], distance: f64, domain: &Domain) -> Spots {
+    let (count, mut bins) = (r.len(), Bins::default());
+    let (r, z, sources) = with_images(r.to_vec(), z.to_vec(), distance, domain);
+    bins.build(&r, &z, distance);
+    let mut is_kept = vec![true; count];
+    for point in 0..count {
         let is_one = |other: usize| {
-            other < point && is_kept[other] && length([r[other] - r[point], z[other] - z[point]]) < distance
+            let source = other.checked_sub(count).map_or(other, |image| sources[image] as usize);
+            source < point && is_kept[source] && length([r[other] - r[point], z[other] - z[point]]) < distance
         };
         let mut has_one = false;
         bins.near(r[point], z[point], distance, |range| {
@@ -83,8 +85,27 @@ fn merged(r: &[f64], z: &[f64], sizes: &[f64], distance: f64) -> Spots {
         });
         is_kept[point] = !has_one;
     }
-    let kept = |of: &dyn Fn(usize) -> f64| (0..r.len()).filter(|&point| is_kept[point]).map(of).collect();
-    [kept(&|point| r[point]), kept(&|point| z[point]), kept(&|point| sizes[point])]
+    let kept =
+        |column: &[f64]| (0..count).filter(|&point| is_kept[point]).map(|point| column[point]).collect();
+    [kept(&r), kept(&z), kept(sizes)]
+}
+
+/// Points in the plane and then their images within `reach` m of any, all in m, and whose images these are.
+fn with_images(
+    mut r: Vec<f64>,
+    mut z: Vec<f64>,
+    reach: f64,
+    domain: &Domain,
+) -> (Vec<f64>, Vec<f64>, Vec<u32>) {
+    let mut images = Vec::new();
+    domain.images(&r, &z, reach, &mut images);
+    for image in &images {
+        let source = image.source as usize;
+        let (image_r, image_z) = domain.place(image, r[source], z[source]);
+        r.push(image_r);
+        z.push(image_z);
+    }
+    (r, z, images.iter().map(|image| image.source).collect())
 }
 
 /// Points of the surface in the plane and then their images, m.
@@ -100,16 +121,9 @@ struct Points {
 }
 
 impl Points {
-    fn new([mut r, mut z, sizes]: Spots, reach: f64, domain: &Domain) -> Self {
-        let (mut images, mut bins) = (Vec::new(), Bins::default());
-        domain.images(&r, &z, reach, &mut images);
-        let sources: Vec<u32> = images.iter().map(|image| image.source).collect();
-        for image in &images {
-            let source = image.source as usize;
-            let (image_r, image_z) = domain.place(image, r[source], z[source]);
-            r.push(image_r);
-            z.push(image_z);
-        }
+    fn new([r, z, sizes]: Spots, reach: f64, domain: &Domain) -> Self {
+        let (r, z, sources) = with_images(r, z, reach, domain);
+        let mut bins = Bins::default();
         bins.build(&r, &z, 0.5 * CLOSE * reach);
         Points { r, z, sizes, sources, reach, bins }
     }
@@ -269,8 +283,7 @@ mod tests {
                 column.push(value);
             }
         }
-        let [r, z, sizes] = columns;
-        let spots = merged(&r, &z, &sizes, distance);
+        let spots = merged(columns.each_ref().map(|column| &column[..]), distance, &Domain::default());
         let points = Points::new(spots, REACH * SPACING, &Domain::default());
         points.area(0.0) / (4.0 * PI)
     }
@@ -291,6 +304,24 @@ mod tests {
             let area = of_sphere(circle().chain(others), MERGED * SPACING);
             assert!((area - 1.0).abs() < 0.001, "{area}");
         }
+    }
+
+    /// So do those that a period's ends part.
+    #[test]
+    fn points_at_the_same_place_across_the_ends_of_a_period_count_once() {
+        let domain = Domain { origin: 0.0, period: Some((0.0, 60.0 * SPACING)) };
+        // One above the other, mostly: each alone would have the next ones on either side.
+        let of = |more: &[[f64; 2]]| {
+            let row = (0..60).map(|k| [1.0, (f64::from(k) + 0.01) * SPACING]);
+            let (r, z): (Vec<f64>, Vec<f64>) = row.chain(more.iter().copied()).map(|[r, z]| (r, z)).unzip();
+            let sizes = vec![SPACING; z.len()];
+            let spots = merged([&r, &z, &sizes], MERGED * SPACING, &domain);
+            Points::new(spots, REACH * SPACING, &domain).area(0.0)
+        };
+        let whole = of(&[]);
+        assert!((whole / (2.0 * PI * 60.0 * SPACING) - 1.0).abs() < 1e-12, "{whole}");
+        let area = of(&[[1.0 + 0.2 * SPACING, 59.99 * SPACING]]);
+        assert!((area / whole - 1.0).abs() < 1e-4, "{area} instead of {whole}");
     }
 
     /// They are one after the other, not two pieces of surface.
