@@ -3,7 +3,7 @@
 use super::diagnosis::Fault;
 use super::entry::Entry;
 use super::formula::Formula;
-use super::liquid::EquationOfState;
+use super::liquid::{EquationOfState, Liquid};
 use super::quantity::{DENSITY, Kind, SPECIFIC_ENERGY, Short, VELOCITY};
 use super::section::Section;
 use super::shapes;
@@ -50,11 +50,7 @@ pub(super) const SAMPLES: usize = 64;
 
 /// Reads a body; `origin` is the radius of the scene's r = 0. Also hands back the entry of its
 /// shape, for later mistakes.
-pub(super) fn read<'a>(
-    entry: Entry<'a>,
-    origin: f64,
-    equation: EquationOfState,
-) -> Result<(Body, Entry<'a>), Fault> {
+pub(super) fn read<'a>(entry: Entry<'a>, origin: f64, liquid: &Liquid) -> Result<(Body, Entry<'a>), Fault> {
     let table = Section::new(entry, &["shape", "velocity", "density", "internal_energy"])?;
     let place = table.required("shape", "shape = { sphere = { radius = \"2.5 um\" } }")?;
     let shape = shapes::read(place.clone(), origin)?;
@@ -63,7 +59,19 @@ pub(super) fn read<'a>(
         return Err(place.fault(message, "keep its r above minus the `origin` of [domain]"));
     }
     let velocity = table.read_or("velocity", VelocityField::rest(), |entry| read_velocity(entry, &shape))?;
-    let density = table.read_or("density", None, |entry| entry.positive(DENSITY).map(Some))?;
+    let density = table.read_or("density", None, |entry| {
+        let density = entry.positive(DENSITY)?;
+        if liquid.surface_tension > 0.0 && density != liquid.density {
+            let message = format!(
+                "a body under surface tension cannot start with a `density` of {} kg/m3: it has \
+                 the liquid's, at the pressure of its surface",
+                Short(density)
+            );
+            return Err(entry.fault(message, "leave it out"));
+        }
+        Ok(Some(density))
+    })?;
+    let equation = liquid.equation_of_state;
     if let Some(entry) = table.optional("internal_energy").filter(|_| equation == EquationOfState::Linear) {
         let message = "`internal_energy` belongs to another equation of state: a linear one knows no energy";
         let help = "leave it out, or set equation_of_state = \"mie-grueneisen\" or \"ideal-gas\" in [liquid]";

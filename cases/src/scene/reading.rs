@@ -53,7 +53,7 @@ pub(super) fn scene(name: &str, text: &str) -> Result<(Scene, Vec<Fault>, Vec<Fa
         .required("body", "[[body]] with shape = { sphere = { radius = \"2.5 um\" } }")?
         .elements("[[body]]")?
         .into_iter()
-        .map(|entry| body::read(entry, domain.origin, liquid.equation_of_state))
+        .map(|entry| body::read(entry, domain.origin, &liquid))
         .collect::<Result<Vec<_>, _>>()?;
     context.check_finite()?;
     let (bodies, shapes): (Vec<_>, Vec<_>) = bodies.into_iter().unzip();

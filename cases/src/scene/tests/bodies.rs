@@ -159,3 +159,11 @@ fn keys_of_another_equation_of_state_are_refused() {
     let settings = ["sound_speed=\"1483 m/s\"".to_owned()];
     assert!(parse("water.toml", &text, &settings).is_ok());
 }
+
+/// Its mass would be that of the one density, its volume that of the other.
+#[test]
+fn a_body_under_tension_has_no_density_of_its_own() {
+    let text = changed("velocity = {", "density = \"1020 kg/m3\"\nvelocity = {");
+    mistake(&text, &[], &["`density` of 1020 kg/m3", "leave it out"]);
+    assert!(parse("drop.toml", &text, &["body.0.density=1000 kg/m3".to_owned()]).is_ok());
+}
