@@ -1,4 +1,4 @@
-//! The pipeline: stages in an explicit order, and the runner that owns spans, costs and checks.
+//! The pipeline: stages in an explicit order, and the runner that owns spans and costs.
 
 use crate::clock::Clock;
 use crate::group::{ChunkStage, Group};

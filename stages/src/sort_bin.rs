@@ -191,6 +191,10 @@ impl Stage for SortBin {
             self.with_list(world, |list, points| list.build(points, &self.packing.domain));
             world.neighbours.margin = 0.0;
         }
+        if world.store.is_changed() {
+            // What somebody moved from outside is not in the margin.
+            world.neighbours.margin = 0.0;
+        }
         // A NaN builds the list, too, and goes on to the stage that names it.
         let checked = world.neighbours.still_holds.take();
         let checked = checked.or((world.neighbours.margin > 0.0).then_some(true));

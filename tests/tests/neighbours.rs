@@ -219,3 +219,17 @@ fn the_skin_follows_the_speed() {
     assert!((own / others - expected).abs() < 1e-6, "{own} against {others}");
     assert!((others / slow - 1.0).abs() < 0.01, "they hardly feel it: {others} against {slow}");
 }
+
+/// Who was moved from outside may lie anywhere in its circle: the way that particles may go unseen is counted from where they
+/// were.
+#[test]
+fn a_move_from_outside_leaves_no_margin() {
+    let mut cloud = Cloud::new(domains()[0], &mut Random::new(53));
+    cloud.run();
+    let (margin, builds) = (cloud.world.neighbours.margin, cloud.world.neighbours.builds());
+    let moved: Vec<f64> = cloud.column("axial").iter().map(|z| z + 0.6 * margin).collect();
+    cloud.world.store.set("axial", &moved);
+    cloud.run();
+    assert!(margin > 0.0 && cloud.world.neighbours.builds() == builds, "the list still holds");
+    assert_eq!(cloud.world.neighbours.margin, 0.0);
+}
