@@ -5,6 +5,7 @@ use super::formula::{Code, Formula, common_dimension};
 use super::functions::Function;
 use super::quantity::{Dimension, Quantity};
 use super::suggest;
+use super::units;
 use std::ops::Range;
 
 /// What a name stands for.
@@ -68,6 +69,11 @@ impl Compiler<'_> {
                 span,
                 format!("`{name}` is \"auto\", so it has no value here"),
                 format!("give `{name}` a value, or use it for `sound_speed` of [liquid] only"),
+            )),
+            (_, Meaning::Unknown) if units::find(name).is_some() => Err(Mistake::new(
+                span,
+                format!("`{name}` is a unit without a number"),
+                format!("a unit follows a number: `2 {name}`, and `1 {name}^-1` for one over it"),
             )),
             (_, Meaning::Unknown) => {
                 let mut known: Vec<&str> = self.known.to_vec();

@@ -73,6 +73,8 @@ fn mistakes_in_expressions_have_a_place() {
         ("2.5.1", "2.5.1", "is no number"),
         ("2 * raduis", "raduis", "did you mean `radius`?"),
         ("2 * r", "r", "`r` has no value here"),
+        ("1/s^2", "s", "a unit follows a number: `2 s`, and `1 s^-1` for one over it"),
+        ("2*mm", "mm", "`mm` is a unit without a number"),
         ("sqr(2)", "sqr(2)", "did you mean `sqrt`?"),
         ("max(2)", "max(2)", "takes 2 argument(s)"),
         ("radius + density", "radius + density", "cannot add a length and a density"),
