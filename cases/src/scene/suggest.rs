@@ -14,7 +14,9 @@ pub(super) fn help(what: &str, given: &str, known: &[&str]) -> String {
 
 fn nearest<'a>(given: &str, known: &[&'a str]) -> Option<&'a str> {
     let best = known.iter().map(|name| (distance(given, name), *name)).min()?;
-    (!given.is_empty() && best.0 <= 1.max(given.chars().count() / 3)).then_some(best.1)
+    let letters = given.chars().count();
+    // Where every letter is another one, nothing tells that this name was meant.
+    (best.0 <= 1.max(letters / 3) && best.0 < letters).then_some(best.1)
 }
 
 /// Edits (insert, delete, replace) that turn one word into the other.

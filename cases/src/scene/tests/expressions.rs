@@ -97,6 +97,16 @@ fn mistakes_in_expressions_have_a_place() {
 }
 
 #[test]
+fn only_names_that_share_letters_are_suggested() {
+    let help = |written: &str| {
+        let text = changed("mode = 2", &format!("mode = 2\nR = 1\nprobe = \"{written}\""));
+        miette::Diagnostic::help(&super::mistake(&text, &[], &["known names"])).unwrap().to_string()
+    };
+    assert!(!help("1 km/h").contains("did you mean"), "{}", help("1 km/h"));
+    assert!(help("1 km/Pi").contains("did you mean `pi`?"), "{}", help("1 km/Pi"));
+}
+
+#[test]
 fn a_field_is_fast() {
     let scene = read(EXAMPLE);
     let start = std::time::Instant::now();
