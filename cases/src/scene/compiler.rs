@@ -61,7 +61,7 @@ impl Compiler<'_> {
             ("r" | "z", _) => Err(Mistake::new(
                 span,
                 format!("`{name}` has no value here"),
-                "r and z are coordinates: they have a meaning in `velocity` and in the shape `expression`",
+                "r and z are coordinates: they have a meaning in `velocity`, `internal_energy` and the shape `expression`",
             )),
             (_, Meaning::Value(quantity)) => Ok(Formula::constant_of(quantity)),
             (_, Meaning::Field(number, dimension)) => Ok(Formula { code: Code::Field(number), dimension }),

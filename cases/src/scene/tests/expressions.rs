@@ -107,6 +107,12 @@ fn only_names_that_share_letters_are_suggested() {
 }
 
 #[test]
+fn places_have_no_value_outside_of_fields_and_the_advice_names_all_of_them() {
+    let text = changed("mode = 2", "mode = 2\nprobe = \"2 * r\"");
+    super::mistake(&text, &[], &["`velocity`", "`internal_energy`", "`expression`"]);
+}
+
+#[test]
 fn a_field_is_fast() {
     let scene = read(EXAMPLE);
     let start = std::time::Instant::now();
