@@ -174,6 +174,10 @@ mod tests {
             assert!(error.to_string().contains(message), "{text}: {error}");
             assert_eq!(error.blamed().unwrap(), blamed, "{text}: {error}");
         }
+        for text in ["speed", "speed = 1 m/s", "(speed) and z < 0"] {
+            let help = Condition::parse(text, &FIELDS).unwrap_err().help().unwrap().to_string();
+            assert!(help.contains("compare with < <= > >= == or !="), "{text}: {help}");
+        }
         let deep = format!("{}z < 1 um", "-(".repeat(200));
         for long in ["z < 1 um or ".repeat(200), deep] {
             let help = Condition::parse(&long, &FIELDS).unwrap_err().help().unwrap().to_string();

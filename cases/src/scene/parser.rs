@@ -129,7 +129,9 @@ impl Parser<'_> {
             sides.push(self.sum()?);
         }
         if relations.is_empty() {
-            return Err(self.scanner.unexpected("a comparison such as `<` or `>=`"));
+            let mistake = self.scanner.unexpected("a comparison such as `<` or `>=`");
+            let help = "compare with < <= > >= == or !=, as in `density < 990 kg/m3`".to_owned();
+            return Err(Mistake { help, ..mistake });
         }
         Ok(Test::Compare(sides, relations))
     }
