@@ -97,11 +97,17 @@ pub(super) fn evaluate(history: &History, column: &str, liquid: &Liquid, bridge:
     // While the bridge opens, surface only disappears.
     let surface = history.of("surface energy");
     let rise = surface.get(..end).and_then(largest_rise).zip(surface.first());
-    let outcome = |name: &str, value| {
-        let why =
-            "the bridge is not seen to grow from a quarter to half of the drops' radius; use finer particles";
-        Outcome::of(name.to_owned(), value, "1").lacking(why)
+    let why = if values.iter().any(|value| value.is_nan()) {
+        "with this scene's curvature nothing tells where the surface lies"
+    } else if start == 0 {
+        "the bridge is wider than a quarter of the drops' radius from the start; use finer particles"
+    } else if end == values.len() {
+        "the run ends before the bridge has grown to half of the drops' radius"
+    } else {
+        "the bridge is observed fewer than 8 times while it grows from a quarter to half of the drops' radius; \
+         choose a smaller `series_every`, or finer particles"
     };
+    let outcome = |name: &str, value| Outcome::of(name.to_owned(), value, "1").lacking(why);
     let mut outcomes = vec![
         outcome("bridge-exponent", exponent),
         outcome("surface-rise", rise.map(|(rise, start)| rise / start)).against(0.0),
@@ -209,6 +215,20 @@ mod tests {
         let coarse = evaluate(&history((20..400).map(row)), "radius", &WATER, bridge);
         for outcome in [&coarse[0], &coarse[2]] {
             assert!(outcome.value.is_nan() && outcome.doubt.as_ref().unwrap().contains("finer particles"));
+        }
+        let short = evaluate(&history((0..10).map(row)), "radius", &WATER, bridge);
+        let sparse = evaluate(&history((0..400).step_by(20).map(row)), "radius", &WATER, bridge);
+        let unseen = |k: i32| [1e-10 * f64::from(k), f64::NAN, 1.0];
+        let unseen = evaluate(&history((0..400).map(unseen)), "radius", &WATER, bridge);
+        for (outcomes, reason) in [
+            (short, "the run ends before"),
+            (sparse, "fewer than 8 times"),
+            (unseen, "nothing tells where the surface lies"),
+        ] {
+            for outcome in [&outcomes[0], &outcomes[2]] {
+                let doubt = outcome.doubt.as_ref().unwrap();
+                assert!(doubt.contains(reason) && !doubt.contains("; use finer particles"), "{doubt}");
+            }
         }
     }
 
