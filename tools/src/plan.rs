@@ -77,7 +77,7 @@ fn costs(scene: &Scene) -> Result<String, Failure> {
         sound_speed_sentence(scene),
         format!("{} of {}", counted(particles, "particle"), quantity(scene.particle_size, "m", 3)),
         format!("time step {}, bounded as {bound}", quantity(costs.step_size, "s", 3)),
-        format!("about {} to {}", counted(costs.steps, "step"), quantity(scene.until, "s", 4)),
+        format!("about {} to {}", counted(costs.steps, "step"), quantity(costs.end, "s", 4)),
         format!("memory about {} MB", quantity(costs.simulation.bytes() as f64 / 1e6, "", 3)),
         format!(
             "about {} on {} (measured over {})",

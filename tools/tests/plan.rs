@@ -69,6 +69,25 @@ fn a_plan_foretells_steps_and_time_and_writes_nothing() {
     assert!(told > took / 3.0 && told < took * 3.0, "{told} s were foretold, the run took {took} s");
 }
 
+#[test]
+fn a_plan_of_few_steps_tells_how_far_they_go_and_draws_no_later_pictures() {
+    let place = tempfile::tempdir().unwrap();
+    fs::write(place.path().join("drop.toml"), DROP).unwrap();
+    let plan = |set: &str| {
+        let settings = ["--set", "particles.size=60 nm", "--set", "output.frames=40", "--set", set];
+        meniscus(place.path(), &[&["plan", "drop.toml", "--threads", "1"], &settings[..]].concat())
+    };
+    let pictures = |plan: &str| {
+        let (_, after) = plan.split_once(" for the steps, ").unwrap();
+        seconds(after.split(" for pictures").next().unwrap())
+    };
+    let (whole, few) = (plan("run.steps=1000000"), plan("run.steps=12"));
+    assert!(whole.contains(" steps to 600.0 ns"), "{whole}");
+    assert!(few.contains("about 12 steps to ") && !few.contains("to 600.0 ns"), "{few}");
+    // One picture instead of 41.
+    assert!(pictures(&few) < pictures(&whole) / 4.0, "{few}{whole}");
+}
+
 #[cfg(unix)]
 #[test]
 fn a_plan_that_nobody_reads_is_no_error_and_one_that_cannot_be_written_is() {

@@ -22,6 +22,8 @@ pub(super) struct Calibration {
     pub(super) simulation: Simulation,
     /// Time steps.
     pub(super) steps: u64,
+    /// Time that they reach, s: the scene's end, or an earlier one where it runs for fewer steps than that takes.
+    pub(super) end: f64,
     /// Length of a step at the end of the trial, s.
     pub(super) step_size: f64,
     /// Seconds to fill the bodies.
@@ -48,11 +50,16 @@ pub(super) fn calibrate(scene: &Scene) -> Result<Calibration, Failure> {
     let mut simulation = Simulation::new(scene, &mut to_the_end)?;
     let start_seconds = begun.elapsed().as_secs_f64();
     let trial = Trial::run(scene, &mut simulation)?;
-    let picture_seconds = pictures(scene, &simulation)?;
     let clock = &simulation.world.clock;
     let left = ((scene.until - clock.time).max(0.0) / trial.step_size).ceil() as u64;
+    let whole = clock.step + left;
+    let steps = whole.min(scene.steps.unwrap_or(u64::MAX));
+    let ahead = steps.saturating_sub(clock.step) as f64 * trial.step_size;
+    let end = if steps < whole { (clock.time + ahead).min(scene.until) } else { scene.until };
+    let picture_seconds = pictures(scene, &simulation, end)?;
     Ok(Calibration {
-        steps: (clock.step + left).min(scene.steps.unwrap_or(u64::MAX)),
+        steps,
+        end,
         step_size: trial.step_size,
         start_seconds,
         step_seconds: trial.step_seconds,
@@ -62,8 +69,8 @@ pub(super) fn calibrate(scene: &Scene) -> Result<Calibration, Failure> {
     })
 }
 
-/// Seconds of all pictures. The first one costs more: it finds its fonts.
-fn pictures(scene: &Scene, simulation: &Simulation) -> Result<f64, Failure> {
+/// Seconds of all pictures up to a time in s. The first one costs more: it finds its fonts.
+fn pictures(scene: &Scene, simulation: &Simulation, end: f64) -> Result<f64, Failure> {
     if scene.output.frames == 0 || !scene.output.picture {
         return Ok(0.0);
     }
@@ -72,7 +79,8 @@ fn pictures(scene: &Scene, simulation: &Simulation) -> Result<f64, Failure> {
         run::rehearse_picture(scene, simulation).map_err(Failure::on_the_way)?;
         Ok(begun.elapsed().as_secs_f64())
     };
-    Ok(draw()? + draw()? * scene.output.frames as f64)
+    let later = (end / scene.until * scene.output.frames as f64).floor();
+    Ok(draw()? + draw()? * later)
 }
 
 /// A piece of a run.
