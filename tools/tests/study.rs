@@ -148,6 +148,21 @@ fn an_interrupted_run_is_marked_and_doubts_are_told_once() {
 }
 
 #[test]
+fn what_a_run_cannot_tell_is_said_with_the_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = DROP.replace("laplace-pressure = { radius", "oscillation = { mode = 2, radius");
+    fs::write(folder.path().join("drop.toml"), scene).unwrap();
+    for options in [&["--out", "out"][..], &["--out", "quiet", "--quiet"]] {
+        let arguments = ["study", "drop.toml", "--vary", "method.theta=.5,.6"];
+        let (code, said) = meniscus(folder.path(), &[&arguments, options].concat());
+        assert_eq!(code, Some(0), "{said}");
+        for run in ["1/2 run-1", "2/2 run-2"] {
+            assert!(said.contains(&format!("{run}: `frequency` cannot be told: ")), "{said}");
+        }
+    }
+}
+
+#[test]
 fn a_run_that_a_measure_does_not_apply_to_keeps_its_columns() {
     let folder = tempfile::tempdir().unwrap();
     let scene = DROP.replace("laplace-pressure = { radius", "oscillation = { mode = 2, radius");

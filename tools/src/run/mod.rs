@@ -87,12 +87,22 @@ pub(crate) enum Display {
         name: String,
         /// The work of the runs after this one over this one's work.
         later: f64,
+        /// Whether its progress is shown, too.
+        quiet: bool,
     },
 }
 
 impl Display {
     fn alone(quiet: bool) -> Self {
         if quiet { Display::Quiet } else { Display::Alone }
+    }
+
+    /// What a message begins with: which run it is about, where there are several.
+    fn prefix(&self) -> String {
+        match self {
+            Display::Quiet | Display::Alone => String::new(),
+            Display::Among { name, .. } => format!("{name}: "),
+        }
     }
 }
 
@@ -176,9 +186,9 @@ impl Run {
     /// Progress of the time loop.
     fn progress(&self) -> Progress {
         match &self.display {
-            Display::Quiet => Progress::quiet(),
+            Display::Quiet | Display::Among { quiet: true, .. } => Progress::quiet(),
             Display::Alone => Progress::new(self.scene.until, "running").within(self.scene.steps),
-            Display::Among { name, later } => {
+            Display::Among { name, later, .. } => {
                 let progress = Progress::new(self.scene.until, &format!("{name}: running"));
                 progress.within(self.scene.steps).followed_by(*later)
             }
@@ -191,7 +201,7 @@ impl Run {
         let folder = self.folder.path().display();
         memory::check(&self.scene)?;
         let mut progress = match &self.display {
-            Display::Quiet => Progress::quiet(),
+            Display::Quiet | Display::Among { quiet: true, .. } => Progress::quiet(),
             Display::Alone => Progress::of_part("placing particles"),
             Display::Among { name, .. } => Progress::of_part(&format!("{name}: placing particles")),
         };
@@ -291,7 +301,8 @@ impl Run {
                 recorder.finish()?;
                 let kept = recorder.crash_checkpoint(simulation, fault)?;
                 eprintln!(
-                    "the run broke down: {fault}\nits last state lies in {kept}; `meniscus inspect` tells more"
+                    "{}the run broke down: {fault}\nits last state lies in {kept}; `meniscus inspect` tells more",
+                    self.display.prefix()
                 );
                 Some(fault.to_string())
             }
@@ -301,7 +312,7 @@ impl Run {
             End::Interrupted => Status::Interrupted,
             End::Failed(_) => Status::Failed,
         };
-        let ending = report::Ending { status, failure };
+        let ending = report::Ending { status, failure, prefix: self.display.prefix() };
         report::report(&self.scene, &self.folder, simulation, (recorder, &costs), ending)
     }
 

@@ -18,6 +18,8 @@ use crate::output::summary::{Conservation, Measure, StageCost, Status, Summary};
 pub(super) struct Ending {
     pub(super) status: Status,
     pub(super) failure: Option<String>,
+    /// What messages about it begin with.
+    pub(super) prefix: String,
 }
 
 /// Writes the summary and the plots.
@@ -32,7 +34,7 @@ pub(super) fn report(
     let outcomes = evaluate(scene, history);
     for outcome in &outcomes {
         if let Some(doubt) = &outcome.doubt {
-            eprintln!("`{}` {doubt}", outcome.name);
+            eprintln!("{}`{}` {doubt}", ending.prefix, outcome.name);
         }
     }
     plots::draw(scene, folder, history)?;

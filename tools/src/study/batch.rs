@@ -108,7 +108,7 @@ fn run_each(
         let folder = RunFolder::take(out.join("runs").join(&job.name), true)?;
         let later = work[index + 1..].iter().sum::<f64>() / work[index];
         let name = format!("{}/{} {}", index + 1, jobs.len(), job.name);
-        let display = if quiet { Display::Quiet } else { Display::Among { name, later } };
+        let display = Display::Among { name, later, quiet };
         let scene = job.scene.clone();
         let summary = pool.install(|| run::run_into(folder, scene, &signals, display))?;
         let interrupted = summary.status == Some(Status::Interrupted);
