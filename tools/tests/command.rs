@@ -103,6 +103,8 @@ fn a_bad_scene_is_refused_before_anything_is_written() {
     place.expect(2, &["run", "drop.toml", "--until", "3 kg"]);
     place.expect(2, &["plan", "missing.toml"]);
     place.expect(2, &["run"]);
+    let said = unwrapped(&place.expect(2, &["resume", "nowhere"]));
+    assert!(said.contains("no run in `nowhere`") && said.contains("name the folder of a run"), "{said}");
     assert!(!place.path("runs").exists());
 }
 

@@ -58,7 +58,7 @@ pub enum OutputError {
     #[error("another run is writing into `{}`; wait for its end or stop it, or choose another folder", .0.display())]
     InUse(PathBuf),
     /// There is no run to continue at this place.
-    #[error("there is no run in `{}` (no `checkpoints` folder)", .0.display())]
+    #[error("there is no run in `{}` (no `checkpoints` folder); name the folder of a run", .0.display())]
     NoRun(PathBuf),
 }
 
