@@ -22,7 +22,7 @@ Examples:
   meniscus verify laplace-drop --level paper      one case at the paper's resolutions
   meniscus verify --level fine --out fine
 
-DIR gets verify.html, verify.json, and each run's own results in runs/.
+DIR gets verify.html, verify.json, the plots as CASE-1.svg and so on, and each run's own results in runs/.
 Exit codes: 0 all targets met; 1 a target missed; 2 bad input; 130 interrupted.";
 
 /// Arguments of `verify`.
