@@ -78,8 +78,11 @@ impl ChunkStage for MomentumCorrection {
         if let Some(drop) = drop.as_deref().filter(|_| drops > 1) {
             // Of each drop: mass and force.
             let sums = world.arena.alloc_slice_fill_copy(drops, [0.0f64; 2]);
-            for (&number, mass) in drop.iter().zip(&*mass) {
-                sums[number as usize][0] += mass;
+            // Neighbours in memory mostly belong together: each would wait for the sum with the one before.
+            let mut start = 0;
+            for same in drop.chunk_by(|a, b| a == b) {
+                sums[same[0] as usize][0] += mass[start..start + same.len()].iter().sum::<f64>();
+                start += same.len();
             }
             for_surface(&surface, |i| sums[drop[i] as usize][1] += force(i));
             self.recoils.extend(sums.iter().map(|[mass, force]| force / mass));
