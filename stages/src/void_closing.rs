@@ -45,6 +45,8 @@ pub struct VoidClosing {
     rate: f64,
     /// The same until the next look.
     rate_now: f64,
+    /// Whether any particle has a void fraction, or nobody has looked yet.
+    has_voids: bool,
     /// Longest time between two looks if the fewest [`STEPS`] don't take longer, s.
     longest: f64,
     position: [Read<f64>; 2],
@@ -62,6 +64,7 @@ impl VoidClosing {
             packing,
             rate: RATE * capillary_rate,
             rate_now: 0.0,
+            has_voids: true,
             longest: LONGEST / capillary_rate,
             position: fields::POSITION.map(|field| wiring.read(field)),
             surface: wiring.read(&fields::SURFACE),
@@ -70,8 +73,8 @@ impl VoidClosing {
         }
     }
 
-    /// Looks at the room around every particle inside.
-    fn look(&self, world: &World) {
+    /// Looks at the room around every particle inside; whether any has a void fraction that counts.
+    fn look(&self, world: &World) -> bool {
         let [r, z] = self.position.map(|field| world.store.read(field));
         let (packed, surface) = (PackedState(&world.rows), world.store.read(self.surface));
         let (list, domain) = (&world.neighbours, &self.packing.domain);
@@ -133,6 +136,7 @@ impl VoidClosing {
                 }
             }
         });
+        void_fraction.iter().any(|beyond| *beyond != 0.0)
     }
 }
 
@@ -145,13 +149,16 @@ impl ChunkStage for VoidClosing {
         let step_size = world.clock.previous_step_size;
         let steps = world.clock.steps_within(self.longest, STEPS);
         if world.clock.step.is_multiple_of(steps) {
-            self.look(world);
+            self.has_voids = self.look(world);
         }
         self.rate_now = self.rate.min(MOST / (steps as f64 * step_size));
         Ok(())
     }
 
     fn chunk(&self, _: &Around, chunk: &Chunk) -> Partial {
+        if !self.has_voids {
+            return [0.0; 2];
+        }
         let (void_fraction, mut strain_rate) =
             (chunk.write(self.void_fraction), chunk.write(self.strain_rate));
         for (strain_rate, void_fraction) in strain_rate.iter_mut().zip(&*void_fraction) {
