@@ -15,7 +15,7 @@ use crate::lanes::{RowPart, RowTable, WIDTH};
 use crate::neighbours::NeighbourList;
 use crate::parallel::{self, DEAR_CHUNK};
 use crate::pipeline::{Cost, Fault, PairWork, World};
-use crate::store::{Mutable, Read};
+use crate::store::{Mutable, Readable};
 use crate::wiring::Wiring;
 use arrayvec::ArrayVec;
 use std::cell::{Ref, RefCell, RefMut};
@@ -136,12 +136,12 @@ impl<'a> Chunk<'_, 'a> {
         self.len == 0
     }
 
-    /// The values behind a read handle.
+    /// The values behind a read or update handle.
     ///
     /// # Panics
     /// If the same stage holds them mutably: a mistake in the stage, never in its input.
-    pub fn read<T: Element>(&self, handle: Read<T>) -> Ref<'_, [T]> {
-        let slot = usize::from(self.slots[handle.0]);
+    pub fn read<T: Element>(&self, handle: impl Readable<T>) -> Ref<'_, [T]> {
+        let slot = usize::from(self.slots[handle.column()]);
         match self.kept.get(slot) {
             Some(part) => Ref::map(part.borrow(), |part| values(T::of_part(part))),
             None => Ref::map(self.transient(slot).borrow(), |part| values(T::of_part(part))),

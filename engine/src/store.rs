@@ -28,6 +28,12 @@ pub struct Update<T>(pub(crate) usize, pub(crate) PhantomData<T>);
 #[derive(Debug)]
 pub struct Add<T>(pub(crate) usize, pub(crate) PhantomData<T>);
 
+/// A handle that lets values be read.
+pub trait Readable<T> {
+    /// Position of the column in the store.
+    fn column(&self) -> usize;
+}
+
 /// A handle that lets values change.
 pub trait Mutable<T> {
     /// Position of the column in the store.
@@ -47,18 +53,17 @@ handle!(Read);
 handle!(Write);
 handle!(Update);
 handle!(Add);
-macro_rules! mutable {
-    ($handle:ident) => {
-        impl<T> Mutable<T> for $handle<T> {
+macro_rules! reaches {
+    ($reach:ident: $($handle:ident),+) => {
+        $(impl<T> $reach<T> for $handle<T> {
             fn column(&self) -> usize {
                 self.0
             }
-        }
+        })+
     };
 }
-mutable!(Write);
-mutable!(Update);
-mutable!(Add);
+reaches!(Readable: Read, Update);
+reaches!(Mutable: Write, Update, Add);
 
 impl Store {
     pub(crate) fn new(len: usize, columns: Vec<(Description, Values)>) -> Self {
@@ -76,12 +81,13 @@ impl Store {
         self.len == 0
     }
 
-    /// The values behind a read handle.
+    /// The values behind a read or update handle.
     ///
     /// # Panics
     /// If the same stage holds the column mutably: a mistake in the stage, never in its input.
-    pub fn read<T: Element>(&self, handle: Read<T>) -> AtomicRef<'_, [T]> {
-        self.borrow(handle.0)
+    pub fn read<T: Element>(&self, handle: impl Readable<T>) -> AtomicRef<'_, [T]> {
+        let column = self.columns[handle.column()].1.borrow();
+        AtomicRef::map(column, |values| T::of(values).expect("handles carry the column's type").as_slice())
     }
 
     /// The values behind a write, update or add handle, to change them.
@@ -93,11 +99,6 @@ impl Store {
         AtomicRefMut::map(column, |values| {
             T::of_mut(values).expect("handles carry the column's type").as_mut_slice()
         })
-    }
-
-    fn borrow<T: Element>(&self, column: usize) -> AtomicRef<'_, [T]> {
-        let column = self.columns[column].1.borrow();
-        AtomicRef::map(column, |values| T::of(values).expect("handles carry the column's type").as_slice())
     }
 
     /// Some columns by their places, to be cut into chunks.

@@ -61,7 +61,7 @@ impl BoundaryEvening {
         let Packing { domain, largest_size, .. } = &self.packing;
         let (packed, list) = (PackedState(&world.rows), &world.neighbours);
         let surface = world.store.read(self.surface);
-        let [r, z] = self.position.map(|field| world.store.write(field));
+        let [r, z] = self.position.map(|field| world.store.read(field));
         let [tangent_r, tangent_z] = self.tangent.map(|field| world.store.read(field));
         self.moves.clear();
         for_surface(&surface, |a| {

@@ -115,7 +115,7 @@ impl CurvatureColour {
             BOUNDARY => self.boundary.push(i as u32),
             _ => self.near_boundary.push(i as u32),
         });
-        let [offset_r, offset_z] = self.offset.map(|field| world.store.write(field));
+        let [offset_r, offset_z] = self.offset.map(|field| world.store.read(field));
         let (offset_r, offset_z) = (&offset_r[..], &offset_z[..]);
         self.found.clear();
         self.found.resize(self.boundary.len(), Found::default());

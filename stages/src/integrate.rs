@@ -72,7 +72,7 @@ impl Integrate {
     /// E += dt dE/dt, an Euler step like the density's.
     fn advance_energy(&self, chunk: &Chunk) {
         let Some((energy, power)) = self.energy else { return };
-        let (power, density) = (chunk.read(power), chunk.write(self.density));
+        let (power, density) = (chunk.read(power), chunk.read(self.density));
         let mut energy = chunk.write(energy);
         for ((energy, power), density) in energy.iter_mut().zip(&*power).zip(&*density) {
             *energy += self.step.length * power / density;

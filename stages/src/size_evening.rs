@@ -118,10 +118,10 @@ impl SizeEvening {
     fn find_gains<'a>(&self, world: &'a World, uneven: &[u32]) -> &'a [Gain] {
         let domain = &self.packing.domain;
         let packed = PackedState(&world.rows);
-        let [r, z] = self.position.map(|field| world.store.write(field));
-        let mass = world.store.write(self.mass);
+        let [r, z] = self.position.map(|field| world.store.read(field));
+        let mass = world.store.read(self.mass);
         let carried: ArrayVec<_, CARRIED> =
-            self.carried.iter().map(|&field| world.store.write(field)).collect();
+            self.carried.iter().map(|&field| world.store.read(field)).collect();
         let carried: ArrayVec<&[f64], CARRIED> = carried.iter().map(|column| &column[..]).collect();
         let (r, z, mass, list) = (&r[..], &z[..], &mass[..], &world.neighbours);
         let refinement = world.store.read(self.refinement);

@@ -61,8 +61,8 @@ impl SortBin {
 
     /// Whether every particle lies within the circle for which the list was built.
     fn is_valid(&self, world: &World) -> bool {
-        let [r, z] = self.position.map(|field| world.store.write(field));
-        let listed = self.listed.map(|field| world.store.write(field));
+        let [r, z] = self.position.map(|field| world.store.read(field));
+        let listed = self.listed.map(|field| world.store.read(field));
         let (density, mass) = (world.store.read(self.density), world.store.read(self.mass));
         let listed = listed.each_ref().map(|column| &column[..]);
         self.packing.are_within([&r, &z, &density, &mass], listed)
@@ -73,7 +73,7 @@ impl SortBin {
     fn with_list<R>(&self, world: &mut World, build: impl FnOnce(&mut NeighbourList, [&[f64]; 3]) -> R) -> R {
         world.store.swap_derived(&mut world.neighbours.scratch);
         world.rows.are_current = false;
-        let listed = self.listed.map(|field| world.store.write(field));
+        let listed = self.listed.map(|field| world.store.read(field));
         let built = build(&mut world.neighbours, listed.each_ref().map(|column| &column[..]));
         drop(listed);
         world.store.swap_derived(&mut world.neighbours.scratch);
@@ -111,7 +111,7 @@ impl SortBin {
             speeds.fill(0.0);
             return Skins { steps: LASTING, lifetime: 0.0, mean: 0.0, narrowest: first, widest };
         }
-        let [list_r, list_z] = [self.listed[0], self.listed[1]].map(|field| world.store.write(field));
+        let [list_r, list_z] = [self.listed[0], self.listed[1]].map(|field| world.store.read(field));
         for (i, speed) in speeds.iter_mut().enumerate() {
             let (dr, dz) = (r[i] - list_r[i], z[i] - list_z[i]);
             *speed = (dr * dr + dz * dz).sqrt() / elapsed;
@@ -186,7 +186,7 @@ impl Stage for SortBin {
 
     fn run(&mut self, world: &mut World) -> Result<(), Fault> {
         // Where a list was built before this run began, its places are still noted.
-        let listed = world.store.write(self.listed[2]).first().is_some_and(|reach| *reach > 0.0);
+        let listed = world.store.read(self.listed[2]).first().is_some_and(|reach| *reach > 0.0);
         if listed && world.neighbours.is_empty() {
             self.with_list(world, |list, points| list.build(points, &self.packing.domain));
             world.neighbours.margin = 0.0;

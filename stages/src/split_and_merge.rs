@@ -6,7 +6,7 @@ use crate::fields;
 use crate::size_evening::{Carried, carried_by_mass, is_due};
 use crate::surface::{BOUNDARY, INSIDE};
 use bumpalo::Bump;
-use bumpalo::collections::{CollectIn, Vec};
+use bumpalo::collections::{CollectIn, Vec as ArenaVec};
 use meniscus_engine::neighbours::NeighbourList;
 use meniscus_engine::pipeline::{Fault, Stage, World};
 use meniscus_engine::store::{Read, Store, Update};
@@ -116,11 +116,11 @@ impl SplitAndMerge {
     }
 
     /// Who is too large, and who is too small.
-    fn find<'a>(&self, store: &Store, arena: &'a Bump) -> [Vec<'a, u32>; 2] {
-        let [r, _] = self.position.map(|field| store.write(field));
-        let (density, mass) = (store.write(self.density), store.write(self.mass));
+    fn find<'a>(&self, store: &Store, arena: &'a Bump) -> [ArenaVec<'a, u32>; 2] {
+        let [r, _] = self.position.map(|field| store.read(field));
+        let (density, mass) = (store.read(self.density), store.read(self.mass));
         let refinement = store.read(self.refinement);
-        let mut found = [Vec::new_in(arena), Vec::new_in(arena)];
+        let mut found = [ArenaVec::new_in(arena), ArenaVec::new_in(arena)];
         for i in 0..r.len() {
             let area = self.area(r[i], density[i], mass[i], refinement[i]);
             if area > LARGEST {
@@ -136,9 +136,9 @@ impl SplitAndMerge {
     /// How one becomes two; not yet where somebody lies too near.
     fn split(&self, store: &Store, list: &NeighbourList, particle: u32, splits: &[Split]) -> Option<Split> {
         let (i, domain) = (particle as usize, &self.packing.domain);
-        let [r, z] = self.position.map(|field| store.write(field));
+        let [r, z] = self.position.map(|field| store.read(field));
         let [u, w] = self.velocity.map(|field| store.read(field));
-        let (density, mass) = (store.write(self.density), store.write(self.mass));
+        let (density, mass) = (store.read(self.density), store.read(self.mass));
         let size_of = |i: usize| self.packing.size(r[i], density[i], mass[i]);
         let size = size_of(i);
         let surface = store.read(self.surface);
@@ -201,13 +201,13 @@ impl SplitAndMerge {
         (store, list): (&Store, &NeighbourList),
         small: &[u32],
         arena: &'a Bump,
-    ) -> Vec<'a, Merger> {
-        let mut mergers = Vec::new_in(arena);
+    ) -> ArenaVec<'a, Merger> {
+        let mut mergers = ArenaVec::new_in(arena);
         if small.is_empty() {
             return mergers;
         }
-        let [r, z] = self.position.map(|field| store.write(field));
-        let (density, mass) = (store.write(self.density), store.write(self.mass));
+        let [r, z] = self.position.map(|field| store.read(field));
+        let (density, mass) = (store.read(self.density), store.read(self.mass));
         let (surface, drop) = (store.read(self.surface), store.read(self.drop));
         let refinement = store.read(self.refinement);
         let area = |i: usize| self.area(r[i], density[i], mass[i], refinement[i]);
@@ -247,10 +247,10 @@ impl SplitAndMerge {
     fn merge(&self, store: &Store, mergers: &[Merger]) {
         for merger in mergers {
             let (a, b) = (merger.kept as usize, merger.gone as usize);
-            let [mass_a, mass_b] = [a, b].map(|i| store.write(self.mass)[i]);
+            let [mass_a, mass_b] = [a, b].map(|i| store.read(self.mass)[i]);
             let part = mass_b / (mass_a + mass_b);
             let between = |column: Update<f64>| {
-                let column = store.write(column);
+                let column = store.read(column);
                 part * (column[b] - column[a])
             };
             self.relocate(store, a, self.position.map(between));
@@ -269,8 +269,8 @@ impl SplitAndMerge {
     fn divide(&self, store: &Store, splits: &[Split], (first, next): (usize, u32)) {
         for ((split, copy), identity) in splits.iter().zip(first..).zip(next..) {
             let a = split.particle as usize;
-            let lean = split.way[0] / (store.write(self.position[0])[a] + self.packing.domain.origin);
-            let whole = store.write(self.mass)[a];
+            let lean = split.way[0] / (store.read(self.position[0])[a] + self.packing.domain.origin);
+            let whole = store.read(self.mass)[a];
             let velocity = self.velocity.map(|field| store.read(field)[a]);
             for (i, sign) in [(a, 1.0), (copy, -1.0)] {
                 let part = sign - lean;
@@ -303,23 +303,23 @@ impl Stage for SplitAndMerge {
         let arena = &*arena;
         let [large, small] = self.find(store, arena);
         let mergers = self.find_mergers((store, neighbours), &small, arena);
-        let mut splits = Vec::new_in(arena);
+        let mut splits = ArenaVec::new_in(arena);
         for &particle in &large {
             splits.extend(self.split(store, neighbours, particle, &splits));
         }
-        let parents: Vec<u32> = splits.iter().map(|split| split.particle).collect_in(arena);
+        let parents: ArenaVec<u32> = splits.iter().map(|split| split.particle).collect_in(arena);
         if mergers.is_empty() && splits.is_empty() {
             return Ok(());
         }
         // Nobody gets the identity of one that has merged away.
-        let largest = store.write(self.identity).iter().max().copied().unwrap_or(0);
+        let largest = store.read(self.identity).iter().max().copied().unwrap_or(0);
         let next = (clock.number(NEXT_IDENTITY) as u32).max(largest + 1);
         clock.set_number(NEXT_IDENTITY, f64::from(next) + splits.len() as f64);
         self.merge(store, &mergers);
         let first = store.len();
         store.add_copies(&parents);
         self.divide(store, &splits, (first, next));
-        let mut gone: Vec<u32> = mergers.iter().map(|merger| merger.gone).collect_in(arena);
+        let mut gone: ArenaVec<u32> = mergers.iter().map(|merger| merger.gone).collect_in(arena);
         gone.sort_unstable();
         store.remove(&gone);
         Ok(())
@@ -344,7 +344,7 @@ mod tests {
     type Placed = ([f64; 2], f64);
 
     /// Nine by nine of them about (r, 0), all like at the start but the one in the middle.
-    fn lattice(r: f64, middle: f64) -> std::vec::Vec<Placed> {
+    fn lattice(r: f64, middle: f64) -> Vec<Placed> {
         let row = |i: i32| (-4..=4).map(move |j| [f64::from(i), f64::from(j)]);
         let places = (-4..=4).flat_map(row).map(|[i, j]| [r + i, j]).filter(|[r, _]| *r > 0.0);
         places.map(|[i, j]| ([i, j], if (i, j) == (r, 0.0) { middle } else { 1.0 })).collect()
@@ -367,7 +367,7 @@ mod tests {
         let mut wiring = Wiring::new();
         let stage = SplitAndMerge::new(&mut wiring, packing, false, true);
         let mut store = wiring.allocate(particles.len());
-        let of = |value: &dyn Fn(&Placed) -> f64| particles.iter().map(value).collect::<std::vec::Vec<f64>>();
+        let of = |value: &dyn Fn(&Placed) -> f64| particles.iter().map(value).collect::<Vec<f64>>();
         let [r, z] = [0, 1].map(|k| of(&|(place, _)| SIZE * place[k]));
         let mass = of(&|(place, area)| 2.0 * PI * SIZE.powi(3) * DENSITY * place[0] * area);
         let reach = of(&|(_, area)| 2.0 * packing.reach(SIZE * area.sqrt()));
@@ -384,7 +384,7 @@ mod tests {
             ("total_energy", &energy),
         ];
         assert!(columns.into_iter().all(|(name, values)| store.set(name, values)));
-        assert!(store.set("identity", &(0..r.len() as u32).collect::<std::vec::Vec<_>>()));
+        assert!(store.set("identity", &(0..r.len() as u32).collect::<Vec<_>>()));
         assert!(store.set("surface", &vec![surface; r.len()]));
         let mut world = World::new(store, Clock::default());
         world.neighbours.build([&r, &z, &reach], &packing.domain);
@@ -395,7 +395,7 @@ mod tests {
         [-2e5 * r, 3e5 * z + 1e5 * r + wind]
     }
 
-    fn column(world: &World, name: &str) -> std::vec::Vec<f64> {
+    fn column(world: &World, name: &str) -> Vec<f64> {
         world.store.by_name::<f64>(name).expect("a column").to_vec()
     }
 
@@ -435,7 +435,7 @@ mod tests {
         let [m, r, z] = ["mass", "radius", "axial"].map(|name| column(&after, name));
         let [u, w] = ["velocity_r", "velocity_z"].map(|name| column(&after, name));
         let energy = column(&after, "total_energy");
-        let of_middle: std::vec::Vec<usize> =
+        let of_middle: Vec<usize> =
             (0..82).filter(|&i| (r[i] / SIZE - 20.0).hypot(z[i] / SIZE) < 0.9).collect();
         assert_eq!(of_middle.len(), 2);
         let areas = of_middle.iter().map(|&i| m[i] / (2.0 * PI * r[i] * DENSITY * SIZE * SIZE));
@@ -467,7 +467,7 @@ mod tests {
         let two = [([20.0, 0.0], 0.4), ([20.0, 0.5], 0.4)];
         let (mut stage, mut world) = set_up(INSIDE, &two, WIND);
         stage.run(&mut world).expect("no fault");
-        let large: std::vec::Vec<f64> = column(&world, "mass").iter().map(|mass| 4.0 * mass).collect();
+        let large: Vec<f64> = column(&world, "mass").iter().map(|mass| 4.0 * mass).collect();
         assert_eq!(large.len(), 1, "0 and 1 merge");
         assert!(world.store.set("mass", &large));
         let [r, z] = ["radius", "axial"].map(|name| column(&world, name));

@@ -105,7 +105,7 @@ impl TensionBalance {
         let (packed, surface) = (PackedState(&world.rows), world.store.read(self.surface));
         let (pressure, slope) = (world.store.read(self.pressure), world.store.read(self.slope));
         let reference = world.store.read(self.reference);
-        let [deficit_r, deficit_z, deficit_slope] = self.deficit.map(|field| world.store.write(field));
+        let [deficit_r, deficit_z, deficit_slope] = self.deficit.map(|field| world.store.read(field));
         let first_reference = world.clock.number(FIRST_REFERENCE);
         let Packing { largest_size, domain, .. } = self.packing;
         self.numbers.clear();

@@ -160,7 +160,7 @@ impl ChunkStage for VoidClosing {
             return [0.0; 2];
         }
         let (void_fraction, mut strain_rate) =
-            (chunk.write(self.void_fraction), chunk.write(self.strain_rate));
+            (chunk.read(self.void_fraction), chunk.write(self.strain_rate));
         for (strain_rate, void_fraction) in strain_rate.iter_mut().zip(&*void_fraction) {
             *strain_rate += self.rate_now * void_fraction;
         }
