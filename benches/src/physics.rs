@@ -108,7 +108,7 @@ pub fn scenes(common: &[&str]) -> Vec<(Variant, Scene)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{advance, start};
+    use crate::{advance, drop_scene, start};
     use meniscus_cases::simulation::Simulation;
 
     fn stages(simulation: &Simulation) -> Vec<&'static str> {
@@ -169,6 +169,20 @@ mod tests {
                 assert_eq!(has_field(simulation, field), j >= k, "`{field}` in {}", variants[j].0.name);
             }
         }
+    }
+
+    /// The strain's correction needs the gradient of the step alone; to predict the next one somebody must reconstruct, or
+    /// be viscous.
+    #[test]
+    fn rates_of_deformation_are_kept_where_somebody_predicts() {
+        let kept = |settings: &[&str]| {
+            let scene = drop_scene(&[settings, &["particle_size=radius/24"]].concat());
+            let simulation = start(&scene);
+            assert!(stages(&simulation).contains(&"velocity-gradient"));
+            has_field(&simulation, "deformation_rr")
+        };
+        assert!(kept(&[]) && kept(&["method.flux=first-order", "liquid.viscosity=1 mPa s"]));
+        assert!(!kept(&["method.flux=first-order"]));
     }
 
     #[test]

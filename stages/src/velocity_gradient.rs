@@ -24,8 +24,8 @@ const RELAXATION: f64 = 0.1;
 pub struct VelocityGradient {
     moment: [Read<f64>; 3],
     velocity_sum: [Read<f64>; 4],
-    deformation: [Update<f64>; 3],
-    change: [Update<f64>; 3],
+    /// The rate of deformation and its change, where somebody predicts.
+    kept: Option<[[Update<f64>; 3]; 2]>,
     strain_rate: Option<Add<f64>>,
     rotation: Option<Write<f64>>,
     /// One over the length of the last step, and how fast the smoothed rate follows.
@@ -33,15 +33,17 @@ pub struct VelocityGradient {
 }
 
 impl VelocityGradient {
-    /// Updates the rate of deformation and its change, `with_strain` adds S to the strain rate; `with_rotation` where somebody
-    /// needs the whole gradient.
-    pub fn new(wiring: &mut Wiring, with_strain: bool, with_rotation: bool) -> Self {
+    /// Updates the rate of deformation and its change where they are to be `kept` for the next step, `with_strain` adds S to the
+    /// strain rate; `with_rotation` where somebody needs the whole gradient.
+    pub fn new(wiring: &mut Wiring, kept: bool, with_strain: bool, with_rotation: bool) -> Self {
         wiring.stage("velocity-gradient");
         VelocityGradient {
             moment: fields::MOMENT.map(|field| wiring.read(field)),
             velocity_sum: fields::VELOCITY_SUM.map(|field| wiring.read(field)),
-            deformation: fields::DEFORMATION.map(|field| wiring.update(field)),
-            change: fields::DEFORMATION_CHANGE.map(|field| wiring.update(field)),
+            kept: kept.then(|| {
+                [fields::DEFORMATION, fields::DEFORMATION_CHANGE]
+                    .map(|kept| kept.map(|field| wiring.update(field)))
+            }),
             strain_rate: with_strain.then(|| wiring.add(&fields::STRAIN_RATE)),
             rotation: with_rotation.then(|| wiring.write(&fields::ROTATION)),
             rates: [0.0; 2],
@@ -63,8 +65,7 @@ impl ChunkStage for VelocityGradient {
     fn chunk(&self, _: &Around, chunk: &Chunk) -> Partial {
         let [l_rr, l_rz, l_zz] = self.moment.map(|field| chunk.read(field));
         let [t_rr, t_rz, t_zr, t_zz] = self.velocity_sum.map(|field| chunk.read(field));
-        let mut gradient = self.deformation.map(|field| chunk.write(field));
-        let mut change = self.change.map(|field| chunk.write(field));
+        let mut kept = self.kept.map(|kept| kept.map(|kept| kept.map(|field| chunk.write(field))));
         let mut strain_rate = self.strain_rate.map(|field| chunk.write(field));
         let mut rotation = self.rotation.map(|field| chunk.write(field));
         let [inverse_elapsed, follow] = self.rates.map(Lanes::splat);
@@ -83,6 +84,7 @@ impl ChunkStage for VelocityGradient {
             if let Some(rotation) = &mut rotation {
                 (rz - zr).store(&mut rotation[eight.clone()]);
             }
+            let Some([gradient, change]) = &mut kept else { continue };
             for (c, now) in [rr, rz + zr, zz].into_iter().enumerate() {
                 let rate = (now - load(&gradient[c], 0.0)) * inverse_elapsed;
                 let before = load(&change[c], 0.0);

@@ -145,7 +145,8 @@ impl Builder<'_> {
 
     fn velocity_gradient(&mut self) -> AnyStage {
         let (with_strain, with_rotation) = (self.corrects_strain(), self.with_carrying());
-        AnyStage::chunks(VelocityGradient::new(&mut self.wiring, with_strain, with_rotation))
+        let kept = self.predicts_deformation();
+        AnyStage::chunks(VelocityGradient::new(&mut self.wiring, kept, with_strain, with_rotation))
     }
 
     fn incomplete_support(&mut self) -> AnyStage {

@@ -54,9 +54,14 @@ impl Builder<'_> {
         self.physics.viscosity > 0.0
     }
 
-    /// The reconstruction, viscosity and the strain's correction start from the velocity gradient.
+    /// The reconstruction and viscosity start from the rate of deformation of the step before.
+    pub(super) fn predicts_deformation(&self) -> bool {
+        self.reconstructs() || self.with_viscosity()
+    }
+
+    /// These and the strain's correction need the velocity gradient.
     pub(super) fn with_gradient(&self) -> bool {
-        self.reconstructs() || self.with_viscosity() || self.corrects_strain()
+        self.predicts_deformation() || self.corrects_strain()
     }
 
     /// Whether particles shift everywhere, not only where it is needed.
@@ -102,7 +107,7 @@ impl Builder<'_> {
     pub(super) fn besides(&self) -> Besides {
         if self.with_shocks() {
             Besides::Density
-        } else if self.with_gradient() {
+        } else if self.predicts_deformation() {
             Besides::Deformation
         } else if self.physics.method.kernel_correction {
             Besides::KernelScale
@@ -113,7 +118,7 @@ impl Builder<'_> {
 
     /// Under surface tension for its own sake, elsewhere where the gradient is known all the same.
     pub(super) fn corrects_strain(&self) -> bool {
-        let asks_for_gradient = self.with_tension() || self.reconstructs() || self.with_viscosity();
+        let asks_for_gradient = self.with_tension() || self.predicts_deformation();
         self.physics.method.strain_correction && asks_for_gradient
     }
 
