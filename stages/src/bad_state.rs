@@ -29,21 +29,16 @@ impl BadState {
     /// has moved in the same step where a neighbour's density went bad.
     pub(crate) fn first(&self, world: &World) -> Option<Fault> {
         let state = self.state.map(|field| world.store.read(field));
-        let bad = |k: usize| (0..world.store.len()).find(|&i| self.is_bad(k, state[k][i])).map(|i| (k, i));
+        let is_bad = |k: usize, i: usize| is_bad(k, state[k][i], self.origin);
+        let bad = |k: usize| (0..world.store.len()).find(|&i| is_bad(k, i)).map(|i| (k, i));
         (0..NAMES.len()).find_map(bad).map(|(k, i)| self.fault(world, i, NAMES[k], state[k][i]))
     }
 
     /// What is wrong with a particle, of which something is.
     pub(crate) fn of(&self, world: &World, i: usize) -> Fault {
         let state = self.state.map(|field| world.store.read(field)[i]);
-        let k = (0..NAMES.len()).find(|&k| self.is_bad(k, state[k])).unwrap_or_default();
+        let k = (0..NAMES.len()).find(|&k| is_bad(k, state[k], self.origin)).unwrap_or_default();
         self.fault(world, i, NAMES[k], state[k])
-    }
-
-    /// Whether a value of the quantity `k` is none that a particle can have.
-    fn is_bad(&self, k: usize, value: f64) -> bool {
-        let above = [0.0, f64::NEG_INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY, -self.origin];
-        !(value > above[k] && value.is_finite())
     }
 
     /// A quantity of a particle that went bad.
@@ -63,7 +58,13 @@ impl BadState {
     }
 }
 
+/// Whether a value of the quantity `k` is none that a particle can have.
+fn is_bad(k: usize, value: f64, origin: f64) -> bool {
+    let above = [0.0, f64::NEG_INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY, -origin];
+    !(value > above[k] && value.is_finite())
+}
+
 /// Whether density, velocities, axial position and radius are those of a particle.
-pub(crate) fn is_sound([density, u, w, z, r]: [f64; 5], origin: f64) -> bool {
-    (density + u + w + z).is_finite() && density > 0.0 && r + origin > 0.0
+pub(crate) fn is_sound(state: [f64; 5], origin: f64) -> bool {
+    (0..state.len()).all(|k| !is_bad(k, state[k], origin))
 }
