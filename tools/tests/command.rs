@@ -396,8 +396,7 @@ fn an_interruption_while_particles_are_placed_stops_and_keeps_what_is_there() {
         assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
         let told: Vec<String> = lines.filter(|line| !line.contains("placing particles:")).collect();
         assert_eq!(child.wait().unwrap().code(), Some(130));
-        // Long lines are broken.
-        told.join("").replace("  │", "")
+        unwrapped(&told.join("\n"))
     };
     // A new folder holds the scene, with which the run begins anew.
     let told = interrupted("run", &[]);

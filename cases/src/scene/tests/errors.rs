@@ -27,8 +27,8 @@ fn a_drop_too_long_for_its_exact_motion_is_refused() {
 fn the_advice_keeps_to_the_rule() {
     let lengths = "such as \"2.5 um\" is expected";
     mistake(EXAMPLE, &["method.axis_factor=0.5"], &["must be at least 1", "such as 2 is expected"]);
-    let narrow = ["must be at least 3", "such as 11 is expected"];
-    mistake(EXAMPLE, &["method.colour_support=2"], &narrow);
+    let narrow = ["must be at least 6", "such as 11 is expected"];
+    mistake(EXAMPLE, &["method.colour_support=5"], &narrow);
     let gas = ["surface_tension=0", "sound_speed=auto", "liquid.equation_of_state=ideal-gas"];
     let ratio = "liquid.heat_ratio=0.4";
     mistake(EXAMPLE, &[&gas[..], &[ratio]].concat(), &["must be above 1", "such as \"5/3\" is expected"]);
